@@ -1,1 +1,13 @@
+//! From a scene description to a picture.
+//!
+//! [`compile`] flattens a [`scene::Scene`] into the records of the kernels and builds the bounding volume
+//! hierarchy; a [`Device`] renders the [`CompiledScene`] into a [`Film`]. The two devices, [`cpu`] and [`gpu`],
+//! run the same kernels.
 
+mod device;
+mod film;
+
+pub use device::{ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
+pub use film::{Film, automatic_exposure};
+/// A scene in the form that devices take.
+pub struct CompiledScene;

@@ -1,0 +1,247 @@
+//! The path tracer: an unbiased estimate of the rendering equation (Kajiya 1986).
+//!
+//! Next event estimation joined with BSDF sampling by multiple importance sampling (Veach 1997, power
+//! heuristic), Russian roulette after a few surfaces. Undisturbed passage through clear or cut-out surfaces is no
+//! event: it neither counts as a surface nor interrupts the multiple importance sampling.
+
+use wgsl_rs::wgsl;
+
+#[wgsl]
+pub mod kernel {
+    use crate::bsdf::kernel::*;
+    use crate::camera::kernel::*;
+    use crate::light::kernel::*;
+    use crate::random::kernel::*;
+    use crate::records::kernel::*;
+    use crate::shape::kernel::*;
+    use crate::traversal::kernel::*;
+    use crate::warp::kernel::*;
+    use wgsl_rs::std::*;
+
+    /// What one path brings home.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct PathSample {
+        /// In W/(m² sr) per channel.
+        pub radiance: Vec3f,
+        /// Rays traced, shadow rays included.
+        pub rays: u32,
+    }
+
+    /// The vertex that a ray starts previous, as far as the weights of light that the ray may find depend on it.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct PathVertex {
+        pub position: Vec3f,
+        /// Density with which the direction was drawn; 0 at the camera and behind ideal mirrors, where no light
+        /// sampling competes.
+        pub pdf: f32,
+        /// Density with which sampling the sky would have drawn the direction.
+        pub sky_pdf: f32,
+        /// Sum of the importances of all lights here.
+        pub importance: f32,
+    }
+
+    /// Surfaces after which Russian roulette sets in.
+    pub const ROULETTE_START: u32 = 3;
+    /// Bound on the segments of a path, undisturbed passages included; never reached by real scenes.
+    pub const MAX_SEGMENTS: u32 = 512;
+    /// A shadow ray ends this fraction before the lamp that it aims at.
+    pub const SHADOW_END: f32 = 0.9999;
+
+    /// Weight of light found by following a ray, against finding it by light sampling.
+    pub fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
+        if previous.pdf <= 0.0 {
+            return 1.0;
+        }
+        power_heuristic(previous.pdf, light_pdf)
+    }
+
+    /// Radiance of the sky that a ray escapes to.
+    pub fn escaped_radiance<S: SceneAccess + Copy>(scene: S, previous: PathVertex) -> Vec3f {
+        let header = S::header(scene);
+        if header.sky == NONE {
+            return vec3f(0.0, 0.0, 0.0);
+        }
+        let sky = S::light(scene, header.sky);
+        let choice = sky.importance / max(previous.importance, 1.0e-20);
+        sky.emission * found_light_weight(previous, previous.sky_pdf * choice)
+    }
+
+    /// Radiance of a lamp that a ray runs into; `cos_light` is the cosine at the lamp's front.
+    pub fn lamp_radiance<S: SceneAccess + Copy>(
+        scene: S,
+        index: u32,
+        previous: PathVertex,
+        position: Vec3f,
+        cos_light: f32,
+    ) -> Vec3f {
+        let light = S::light(scene, index);
+        let radiance = area_radiance(light, cos_light);
+        if previous.pdf <= 0.0 {
+            return radiance;
+        }
+        if light.shadowless != 0u32 {
+            // Its light was counted through everything in the way.
+            return vec3f(0.0, 0.0, 0.0);
+        }
+        let way = position - previous.position;
+        let choice = light_importance(light, previous.position) / max(previous.importance, 1.0e-20);
+        radiance * found_light_weight(previous, area_pdf(light, dot(way, way), cos_light) * choice)
+    }
+
+    /// Light that one sampled lamp sends along `wo`, shadow ray included.
+    pub fn direct_light<S: SceneAccess + Copy>(
+        scene: S,
+        point: SurfacePoint,
+        bsdf: Bsdf,
+        normal: Vec3f,
+        wo: Vec3f,
+        importance: f32,
+        u: Vec3f,
+    ) -> PathSample {
+        let mut result = PathSample { radiance: vec3f(0.0, 0.0, 0.0), rays: 0 };
+        let choice = choose_light::<S>(scene, point.position, importance, u.x);
+        if choice.index == NONE {
+            return result;
+        }
+        let light = S::light(scene, choice.index);
+        let both_sides = transmits(bsdf);
+        let sample = sample_light(light, point.position, normal, both_sides, vec2f(u.y, u.z));
+        let value = evaluate_bsdf(bsdf, normal, wo, sample.direction) * sample.weight;
+        if is_dark(value) {
+            return result;
+        }
+        let mut weight = 1.0 / choice.probability;
+        if sample.pdf > 0.0 && light.shadowless == 0u32 {
+            let scattered = bsdf_pdf(bsdf, normal, wo, sample.direction);
+            weight *= power_heuristic(sample.pdf * choice.probability, scattered);
+        }
+        result.radiance = value * weight;
+        if light.shadowless == 0u32 {
+            let ray = Ray { origin: offset_origin(point, sample.direction), direction: sample.direction };
+            let mut t_max = NO_HIT;
+            if sample.distance < NO_HIT {
+                t_max = sample.distance * SHADOW_END;
+            }
+            result.radiance *= transmittance::<S>(scene, ray, t_max);
+            result.rays = 1;
+        }
+        result
+    }
+
+    /// True if light may leave on the side opposite to where it came previous.
+    pub fn transmits(bsdf: Bsdf) -> bool {
+        largest(bsdf.diffuse_transmission + bsdf.glossy_transmission) > 0.0
+    }
+
+    /// Follows one path from the camera; it touches at most `depth` surfaces and may then still find a light.
+    pub fn trace_path<S: SceneAccess + Copy>(scene: S, key: SampleKey, first: Ray, depth: u32) -> PathSample {
+        let mut result = PathSample { radiance: vec3f(0.0, 0.0, 0.0), rays: 0 };
+        let mut throughput = vec3f(1.0, 1.0, 1.0);
+        let mut ray = first;
+        let mut touched: u32 = 0;
+        let mut previous = PathVertex { position: first.origin, pdf: 0.0, sky_pdf: 0.0, importance: 0.0 };
+
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for segment in 0..MAX_SEGMENTS {
+            // The next surface, or the sky.
+            let hit = closest_hit::<S>(scene, ray, key, segment);
+            result.rays += 1;
+            if hit.object == NONE {
+                result.radiance += throughput * escaped_radiance::<S>(scene, previous);
+                return result;
+            }
+            let shape = S::shape(scene, hit.object);
+            let surface = S::surface(scene, hit.object);
+            let point = surface_point(shape, surface, ray, hit.shape);
+            let wo = -ray.direction;
+            let cos_front = dot(point.normal, wo);
+            let normal = point.normal * select(-1.0, 1.0, cos_front >= 0.0);
+
+            // Light that the surface emits.
+            if surface.light != NONE {
+                result.radiance += throughput
+                    * lamp_radiance::<S>(scene, surface.light, previous, point.position, cos_front);
+            }
+            let bsdf = material_bsdf::<S>(scene, S::material(scene, shape.material), point.uv);
+            // Unverified for GroIMP's path tracer: emissive surfaces shine by themselves.
+            result.radiance += throughput * bsdf.emissive;
+            if touched >= depth {
+                return result;
+            }
+
+            // Light that arrives directly and is scattered here.
+            let dimension = DIMENSION_FIRST_SURFACE + segment * DIMENSIONS_PER_SURFACE;
+            let u_light = random4(key, dimension);
+            let importance = total_importance::<S>(scene, point.position);
+            if importance > 0.0 {
+                let direct = direct_light::<S>(
+                    scene,
+                    point,
+                    bsdf,
+                    normal,
+                    wo,
+                    importance,
+                    vec3f(u_light.x, u_light.y, u_light.z),
+                );
+                result.radiance += throughput * direct.radiance;
+                result.rays += direct.rays;
+            }
+
+            // Where the path goes on.
+            let u = random4(key, dimension + 1u32);
+            let sample = sample_bsdf(bsdf, normal, wo, vec3f(u.x, u.y, u.z));
+            if sample.event == EVENT_ABSORBED {
+                return result;
+            }
+            throughput *= sample.weight;
+            ray = Ray { origin: offset_origin(point, sample.direction), direction: sample.direction };
+            if sample.event != EVENT_PASSED {
+                touched += 1;
+                previous = PathVertex {
+                    position: point.position,
+                    pdf: sample.pdf,
+                    sky_pdf: sky_pdf(normal, sample.direction, transmits(bsdf)),
+                    importance,
+                };
+            }
+
+            // Russian roulette: weak paths end, the others carry their light.
+            if touched >= ROULETTE_START {
+                let survival = min(largest(throughput), 0.95);
+                if u.w >= survival {
+                    return result;
+                }
+                throughput *= 1.0 / survival;
+            }
+        }
+        result
+    }
+
+    /// Adds samples to a pixel of the picture; `x` and `y` count from the top left.
+    pub fn render_pixel<S: SceneAccess + Copy>(
+        scene: S,
+        settings: LaunchSettings,
+        x: u32,
+        y: u32,
+        before: FilmPixel,
+    ) -> FilmPixel {
+        let header = S::header(scene);
+        let mut film = before;
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for i in 0..settings.samples {
+            let key = SampleKey {
+                pixel: y * settings.width + x,
+                sample: settings.first_sample + i,
+                seed: settings.seed,
+            };
+            let position = pixel_position(key, settings.grid);
+            let ray = camera_ray(header, settings, f32(x) + position.x, f32(y) + position.y);
+            let path = trace_path::<S>(scene, key, ray, settings.depth);
+            film.radiance += path.radiance;
+            film.squares += path.radiance * path.radiance;
+            film.rays += path.rays;
+            film.samples += 1;
+        }
+        film
+    }
+}

@@ -1,0 +1,138 @@
+//! Random numbers as a function of (pixel, sample, dimension), never of execution order.
+//!
+//! The generator is the 4-D permuted congruential hash of Jarzynski and Olano, "Hash Functions for GPU
+//! Rendering" (JCGT 9(3), 2020). One call gives four independent numbers.
+
+use wgsl_rs::wgsl;
+
+#[wgsl]
+#[allow(clippy::module_inception)]
+pub mod kernel {
+    use wgsl_rs::std::*;
+
+    /// Identifies one sample of one pixel; with a dimension it selects four random numbers.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct SampleKey {
+        /// Index of the pixel in the picture, row by row.
+        pub pixel: u32,
+        /// Index of the sample within the pixel.
+        pub sample: u32,
+        /// Chosen by the user; another seed gives an independent picture.
+        pub seed: u32,
+    }
+
+    /// Dimension of the position within the pixel.
+    pub const DIMENSION_PIXEL: u32 = 0;
+    /// First dimension of the surfaces along a path; each takes `DIMENSIONS_PER_SURFACE`.
+    pub const DIMENSION_FIRST_SURFACE: u32 = 1;
+    /// Dimensions that one surface of a path uses up.
+    pub const DIMENSIONS_PER_SURFACE: u32 = 2;
+    /// Added to the object index to decide whether a ray passes a partly transparent object.
+    pub const DIMENSION_OPACITY: u32 = 2147483648;
+
+    /// The 4-D PCG hash: every output bit depends on every input bit.
+    pub fn pcg4d(v: Vec4u) -> Vec4u {
+        let mut x: u32 = v.x * 1664525u32 + 1013904223u32;
+        let mut y: u32 = v.y * 1664525u32 + 1013904223u32;
+        let mut z: u32 = v.z * 1664525u32 + 1013904223u32;
+        let mut w: u32 = v.w * 1664525u32 + 1013904223u32;
+        x += y * w;
+        y += z * x;
+        z += x * y;
+        w += y * z;
+        x = x ^ (x >> 16u32);
+        y = y ^ (y >> 16u32);
+        z = z ^ (z >> 16u32);
+        w = w ^ (w >> 16u32);
+        x += y * w;
+        y += z * x;
+        z += x * y;
+        w += y * z;
+        vec4u(x, y, z, w)
+    }
+
+    /// The upper 24 bits as a number in [0, 1).
+    pub fn unit_float(bits: u32) -> f32 {
+        f32(bits >> 8u32) * 0.000000059604644775390625
+    }
+
+    /// Four independent numbers, uniform in [0, 1).
+    pub fn random4(key: SampleKey, dimension: u32) -> Vec4f {
+        let bits = pcg4d(vec4u(key.pixel, key.sample, dimension, key.seed));
+        vec4f(unit_float(bits.x), unit_float(bits.y), unit_float(bits.z), unit_float(bits.w))
+    }
+
+    /// Position of a sample within its pixel, in [0, 1)².
+    ///
+    /// The pixel is divided into `grid` x `grid` cells that are visited in turn; each pixel starts at a random
+    /// cell, so that a sample count that is no multiple of the number of cells stays unbiased.
+    pub fn pixel_position(key: SampleKey, grid: u32) -> Vec2f {
+        let jitter = random4(key, DIMENSION_PIXEL);
+        let cells = grid * grid;
+        let round = key.sample / cells;
+        let start = pcg4d(vec4u(key.pixel, round, 3735928559u32, key.seed)).x;
+        let cell = (key.sample % cells + start % cells) % cells;
+        let column = cell % grid;
+        let row = cell / grid;
+        vec2f((f32(column) + jitter.x) / f32(grid), (f32(row) + jitter.y) / f32(grid))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::kernel::*;
+
+    fn key(pixel: u32, sample: u32) -> SampleKey {
+        SampleKey { pixel, sample, seed: 7 }
+    }
+
+    #[test]
+    fn numbers_are_uniform() {
+        // Chi-square with 63 degrees of freedom: mean 63, standard deviation sqrt(126) = 11.2; 5 sigma.
+        let mut bins = [0u32; 64];
+        let n = 64 * 4000;
+        for i in 0..n {
+            let x = random4(key(i % 640, i / 640), 3).x;
+            assert!((0.0..1.0).contains(&x));
+            bins[(x * 64.0) as usize] += 1;
+        }
+        let expected = f64::from(n) / 64.0;
+        let chi2: f64 = bins.iter().map(|&b| (f64::from(b) - expected).powi(2) / expected).sum();
+        assert!((chi2 - 63.0).abs() < 5.0 * 126f64.sqrt(), "chi2 {chi2}");
+    }
+
+    #[test]
+    fn neighbours_and_dimensions_are_uncorrelated() {
+        // The correlation of n independent pairs has standard deviation 1/sqrt(n).
+        let n = 40_000u32;
+        let correlation = |pair: &dyn Fn(u32) -> (f32, f32)| {
+            let sum: f64 = (0..n)
+                .map(|i| {
+                    let (a, b) = pair(i);
+                    (f64::from(a) - 0.5) * (f64::from(b) - 0.5)
+                })
+                .sum();
+            (sum / f64::from(n) * 12.0).abs()
+        };
+        let limit = 5.0 / f64::from(n).sqrt();
+        assert!(correlation(&|i| (random4(key(i, 0), 1).x, random4(key(i + 1, 0), 1).x)) < limit);
+        assert!(correlation(&|i| (random4(key(i, 0), 1).x, random4(key(i + 640, 0), 1).x)) < limit);
+        assert!(correlation(&|i| (random4(key(5, i), 1).x, random4(key(5, i + 1), 1).x)) < limit);
+        assert!(correlation(&|i| (random4(key(5, i), 1).x, random4(key(5, i), 2).x)) < limit);
+        assert!(correlation(&|i| (random4(key(5, i), 1).x, random4(key(5, i), 1).y)) < limit);
+        // The measure itself notices correlated numbers.
+        assert!(correlation(&|i| (random4(key(i, 0), 1).x, random4(key(i, 0), 1).x)) > limit);
+    }
+
+    #[test]
+    fn samples_visit_every_cell_of_the_pixel_once_per_round() {
+        for pixel in 0..50 {
+            let mut seen = [0; 9];
+            for sample in 0..18 {
+                let p = pixel_position(key(pixel, sample), 3);
+                seen[(p.x * 3.0) as usize + 3 * (p.y * 3.0) as usize] += 1;
+            }
+            assert_eq!(seen, [2; 9]);
+        }
+    }
+}

@@ -1,0 +1,307 @@
+//! The records that a compiled scene consists of, declared once for both devices, and the trait through which
+//! the kernels read them.
+//!
+//! Layout rule: every `Vec3f` is followed by a four-byte field and every struct is a multiple of 16 bytes long.
+//! Then Rust (`repr(C)`, alignment 4) and WGSL (alignment 16) agree on all offsets; a test asserts it.
+
+use wgsl_rs::wgsl;
+
+#[wgsl]
+pub mod kernel {
+    use wgsl_rs::std::*;
+
+    /// Three rows of an affine matrix acting on column vectors.
+    #[repr(C)]
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct Affine {
+        pub row0: Vec4f,
+        pub row1: Vec4f,
+        pub row2: Vec4f,
+    }
+
+    /// Inner node of a binary bounding volume hierarchy; it holds the boxes of its two children.
+    ///
+    /// A child with `count` 0 is an inner node with index `child`; otherwise it is a leaf of `count` objects
+    /// starting at `child`.
+    #[repr(C)]
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct BvhNode {
+        pub min0: Vec3f,
+        pub child0: u32,
+        pub max0: Vec3f,
+        pub count0: u32,
+        pub min1: Vec3f,
+        pub child1: u32,
+        pub max1: Vec3f,
+        pub count1: u32,
+    }
+
+    /// Unit sphere.
+    pub const SHAPE_SPHERE: u32 = 0;
+    /// The cube [-1, 1]³.
+    pub const SHAPE_BOX: u32 = 1;
+    /// Round body along z in [0, 1] whose radius runs from `base_radius` to `top_radius`: cylinder, cone, frustum.
+    pub const SHAPE_FRUSTUM: u32 = 2;
+    /// The plane z = 0.
+    pub const SHAPE_PLANE: u32 = 3;
+    /// x in [-1, 1], z in [0, 1], y = 0; front side +y.
+    pub const SHAPE_PARALLELOGRAM: u32 = 4;
+    /// x, z >= 0, x + z <= 1, y = 0; front side +y.
+    pub const SHAPE_TRIANGLE: u32 = 5;
+
+    /// Part of `ShapeRecord::kind` that holds the shape.
+    pub const SHAPE_MASK: u32 = 255;
+    /// No cap at z = 0.
+    pub const FLAG_BASE_OPEN: u32 = 256;
+    /// No cap at z = 1.
+    pub const FLAG_TOP_OPEN: u32 = 512;
+    /// The material lets rays pass somewhere: its opacity must be evaluated at every hit.
+    pub const FLAG_NOT_OPAQUE: u32 = 1024;
+
+    /// What intersection needs of an object: 64 bytes.
+    #[repr(C)]
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct ShapeRecord {
+        pub object_from_world: Affine,
+        /// Shape in the lowest byte, flags above.
+        pub kind: u32,
+        pub material: u32,
+        pub base_radius: f32,
+        pub top_radius: f32,
+    }
+
+    /// What shading needs of an object besides: 64 bytes.
+    #[repr(C)]
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct SurfaceRecord {
+        pub world_from_object: Affine,
+        /// Factor on v; 1 unless the shape scales v with its length.
+        pub v_scale: f32,
+        /// Index of the light that this body is, or `NONE`.
+        pub light: u32,
+        /// Index of the object in the scene description.
+        pub source: u32,
+        pub reserved: u32,
+    }
+
+    /// An object of the scene.
+    #[repr(C)]
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct ObjectRecord {
+        pub shape: ShapeRecord,
+        pub surface: SurfaceRecord,
+    }
+
+    /// An index that refers to nothing.
+    pub const NONE: u32 = 4294967295;
+
+    /// Coefficients of a material as indices of channels, or `NONE`.
+    #[repr(C)]
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct MaterialRecord {
+        pub diffuse: u32,
+        pub specular: u32,
+        pub shininess: u32,
+        pub transparency: u32,
+        pub transparency_shininess: u32,
+        pub diffuse_transparency: u32,
+        pub ambient: u32,
+        pub emissive: u32,
+        /// 1 if transparency takes away from diffuse and glossy reflection.
+        pub interpolated_transparency: u32,
+        /// Share of light that meets the surface, on top of what the channels say.
+        pub opacity: f32,
+        pub reserved0: u32,
+        pub reserved1: u32,
+    }
+
+    /// The value of `ChannelRecord` is the result.
+    pub const CHANNEL_CONSTANT: u32 = 0;
+    /// The result is read from an image.
+    pub const CHANNEL_IMAGE: u32 = 1;
+
+    /// A node of a channel tree.
+    #[repr(C)]
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct ChannelRecord {
+        pub value: Vec4f,
+        pub operation: u32,
+        /// First texel in the texel table.
+        pub first_texel: u32,
+        /// Width in the lower, height in the upper 16 bits.
+        pub size: u32,
+        /// 1 to interpolate between texels.
+        pub bilinear: u32,
+    }
+
+    pub const LIGHT_POINT: u32 = 0;
+    pub const LIGHT_SPOT: u32 = 1;
+    pub const LIGHT_DIRECTIONAL: u32 = 2;
+    pub const LIGHT_AREA: u32 = 3;
+    pub const LIGHT_SKY: u32 = 4;
+
+    /// A light source: 80 bytes.
+    #[repr(C)]
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct LightRecord {
+        /// Where it stands; for a parallelogram the middle of its base edge.
+        pub position: Vec3f,
+        pub kind: u32,
+        /// Unit axis along which it shines.
+        pub axis: Vec3f,
+        /// 1 if nothing throws a shadow in its light.
+        pub shadowless: u32,
+        /// Point: intensity in W/sr. Spot: intensity of the core in W/sr. Directional: irradiance in W/m².
+        /// Area: radiance along the axis in W/(m² sr). Sky: radiance in W/(m² sr).
+        pub emission: Vec3f,
+        /// Spot: cosine of the inner angle. Area: exponent.
+        pub cos_inner: f32,
+        /// Area: half of the base edge.
+        pub edge_u: Vec3f,
+        /// Spot: cosine of the outer angle. Area: its area in m².
+        pub cos_outer: f32,
+        /// Area: the edge from base to far end.
+        pub edge_v: Vec3f,
+        /// Expected irradiance at unit distance (point, spot, area) or anywhere (directional, sky), for the
+        /// choice between lights.
+        pub importance: f32,
+    }
+
+    pub const CAMERA_PERSPECTIVE: u32 = 0;
+    pub const CAMERA_PARALLEL: u32 = 1;
+
+    /// What is the same for the whole scene; a uniform on the GPU.
+    #[repr(C)]
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct SceneHeader {
+        pub world_from_view: Affine,
+        /// Horizontal and vertical half extent of the picture at distance 1 (perspective) or anywhere
+        /// (parallel), per unit of half the picture's width.
+        pub view_scale_x: f32,
+        pub view_scale_y: f32,
+        /// Parallel projection: distance behind the view plane at which rays start.
+        pub start_distance: f32,
+        pub camera: u32,
+        /// Objects with no bounds stand at the front of the object table.
+        pub unbounded_objects: u32,
+        pub nodes: u32,
+        pub lights: u32,
+        /// Index of the sky among the lights, or `NONE`.
+        pub sky: u32,
+    }
+
+    /// What is the same for one launch; a uniform on the GPU.
+    #[repr(C)]
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct LaunchSettings {
+        /// Size of the whole picture in pixels.
+        pub width: u32,
+        pub height: u32,
+        /// The tile to render, in pixels from the top left.
+        pub tile_x: u32,
+        pub tile_y: u32,
+        pub tile_width: u32,
+        pub tile_height: u32,
+        pub first_sample: u32,
+        pub samples: u32,
+        pub seed: u32,
+        /// The pixel is divided into grid x grid strata.
+        pub grid: u32,
+        /// Number of surfaces that a path may touch.
+        pub depth: u32,
+        pub reserved: u32,
+    }
+
+    /// What is collected for a pixel.
+    #[repr(C)]
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct FilmPixel {
+        /// Sum of the radiance of all samples.
+        pub radiance: Vec3f,
+        /// Number of rays that were traced.
+        pub rays: u32,
+        /// Sum of the squares of the radiance, per channel.
+        pub squares: Vec3f,
+        pub samples: u32,
+    }
+
+    /// How kernels read a compiled scene. The CPU implements it over slices, the GPU over storage buffers.
+    pub trait SceneAccess {
+        fn header(scene: Self) -> SceneHeader;
+        fn node(scene: Self, index: u32) -> BvhNode;
+        fn shape(scene: Self, index: u32) -> ShapeRecord;
+        fn surface(scene: Self, index: u32) -> SurfaceRecord;
+        fn material(scene: Self, index: u32) -> MaterialRecord;
+        fn channel(scene: Self, index: u32) -> ChannelRecord;
+        fn texel(scene: Self, index: u32) -> u32;
+        fn light(scene: Self, index: u32) -> LightRecord;
+    }
+
+    /// `matrix * (point, 1)`.
+    pub fn transform_point(matrix: Affine, point: Vec3f) -> Vec3f {
+        let p = vec4f(point.x, point.y, point.z, 1.0);
+        vec3f(dot(matrix.row0, p), dot(matrix.row1, p), dot(matrix.row2, p))
+    }
+
+    /// `matrix * (direction, 0)`.
+    pub fn transform_vector(matrix: Affine, direction: Vec3f) -> Vec3f {
+        let d = vec4f(direction.x, direction.y, direction.z, 0.0);
+        vec3f(dot(matrix.row0, d), dot(matrix.row1, d), dot(matrix.row2, d))
+    }
+
+    /// The transpose of the linear part times `normal`. With the inverse matrix this carries normals.
+    pub fn transform_transposed(matrix: Affine, normal: Vec3f) -> Vec3f {
+        vec3f(
+            matrix.row0.x * normal.x + matrix.row1.x * normal.y + matrix.row2.x * normal.z,
+            matrix.row0.y * normal.x + matrix.row1.y * normal.y + matrix.row2.y * normal.z,
+            matrix.row0.z * normal.x + matrix.row1.z * normal.y + matrix.row2.z * normal.z,
+        )
+    }
+
+    /// Magnitude of the rounding errors when `matrix` is applied to `point`, per component, in units of the
+    /// last place.
+    pub fn transform_magnitude(matrix: Affine, point: Vec3f) -> Vec3f {
+        let p = vec4f(abs(point.x), abs(point.y), abs(point.z), 1.0);
+        vec3f(dot(abs(matrix.row0), p), dot(abs(matrix.row1), p), dot(abs(matrix.row2), p))
+    }
+}
+
+use kernel::*;
+
+/// Allows the record types to be copied to the graphics card as bytes.
+///
+/// `unsafe` because the compiler cannot see that the vector types of `wgsl-rs` are plain `repr(C)` structs of
+/// 32-bit numbers without padding; the test below checks the sizes and so the absence of padding.
+macro_rules! plain_old_data {
+    ($($name:ty: $words:expr),* $(,)?) => {
+        $(
+            // SAFETY: repr(C), all fields are u32 or f32 (or arrays of them), no padding (see the size test).
+            unsafe impl bytemuck::Zeroable for $name {}
+            // SAFETY: as above; every bit pattern is a valid u32 or f32.
+            unsafe impl bytemuck::Pod for $name {}
+        )*
+
+        #[cfg(test)]
+        #[test]
+        fn records_have_no_padding() {
+            $(
+                assert_eq!(size_of::<$name>(), 4 * $words, stringify!($name));
+                assert_eq!(size_of::<$name>() % 16, 0, stringify!($name));
+            )*
+        }
+    };
+}
+
+plain_old_data! {
+    Affine: 12,
+    BvhNode: 16,
+    ShapeRecord: 16,
+    SurfaceRecord: 16,
+    ObjectRecord: 32,
+    MaterialRecord: 12,
+    ChannelRecord: 8,
+    LightRecord: 20,
+    SceneHeader: 20,
+    LaunchSettings: 12,
+    FilmPixel: 8,
+}

@@ -1,0 +1,380 @@
+//! Rays against the unit shapes, and the surface data of a hit.
+//!
+//! Every shape is a unit shape under an affine matrix. Rays are carried to object space without normalising
+//! their direction, so that the ray parameter t means the same in both spaces.
+
+use wgsl_rs::wgsl;
+
+#[wgsl]
+pub mod kernel {
+    use crate::records::kernel::*;
+    use crate::warp::kernel::*;
+    use wgsl_rs::std::*;
+
+    /// A half line; points are `origin + t * direction`. The direction need not have unit length.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct Ray {
+        pub origin: Vec3f,
+        pub direction: Vec3f,
+    }
+
+    /// Where a ray meets a unit shape. No hit: `t` is `NO_HIT`.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct ShapeHit {
+        pub t: f32,
+        /// Part of the surface: 0 lateral surface or only side, 1 base cap, 2 top cap; box: 0 to 5 for
+        /// -x, +x, -y, +y, -z, +z.
+        pub face: u32,
+    }
+
+    /// Ray parameter of a ray that hits nothing; larger than any distance.
+    pub const NO_HIT: f32 = 1.0e30;
+
+    /// Geometry of a hit in world space.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct SurfacePoint {
+        pub position: Vec3f,
+        /// Bound of the rounding error of `position` along the normal, in metres.
+        pub error: f32,
+        /// Outward unit normal.
+        pub normal: Vec3f,
+        pub uv: Vec2f,
+    }
+
+    pub fn transform_ray(matrix: Affine, ray: Ray) -> Ray {
+        Ray {
+            origin: transform_point(matrix, ray.origin),
+            direction: transform_vector(matrix, ray.direction),
+        }
+    }
+
+    pub fn no_hit() -> ShapeHit {
+        ShapeHit { t: NO_HIT, face: 0 }
+    }
+
+    /// Parameter of the point of the ray that is closest to `centre`. Roots are computed relative to it, which
+    /// keeps their precision when the ray starts far away from a small shape.
+    pub fn closest_approach(ray: Ray, centre: Vec3f) -> f32 {
+        dot(centre - ray.origin, ray.direction) / dot(ray.direction, ray.direction)
+    }
+
+    pub fn intersect_sphere(ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+        let t_mid = closest_approach(ray, vec3f(0.0, 0.0, 0.0));
+        let p = ray.origin + ray.direction * t_mid;
+        let a = dot(ray.direction, ray.direction);
+        let discriminant = 1.0 - dot(p, p);
+        if discriminant < 0.0 {
+            return no_hit();
+        }
+        let half = sqrt(discriminant / a);
+        if t_mid - half > t_min && t_mid - half < t_max {
+            return ShapeHit { t: t_mid - half, face: 0 };
+        }
+        if t_mid + half > t_min && t_mid + half < t_max {
+            return ShapeHit { t: t_mid + half, face: 0 };
+        }
+        no_hit()
+    }
+
+    /// A divisor that is never zero.
+    pub fn away_from_zero(x: f32) -> f32 {
+        if abs(x) < 1.0e-20 {
+            return select(-1.0e-20, 1.0e-20, x >= 0.0);
+        }
+        x
+    }
+
+    pub fn intersect_box(ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+        let d = vec3f(
+            away_from_zero(ray.direction.x),
+            away_from_zero(ray.direction.y),
+            away_from_zero(ray.direction.z),
+        );
+        // Where the ray enters and leaves the three slabs.
+        let centre = -ray.origin / d;
+        let half = vec3f(1.0, 1.0, 1.0) / abs(d);
+        let enter = centre - half;
+        let leave = centre + half;
+        let t_in = max(enter.x, max(enter.y, enter.z));
+        let t_out = min(leave.x, min(leave.y, leave.z));
+        if t_in > t_out {
+            return no_hit();
+        }
+        let mut t = t_in;
+        let mut side = vec3f(-d.x, -d.y, -d.z);
+        let mut per_axis = enter;
+        if t <= t_min {
+            t = t_out;
+            side = d;
+            per_axis = leave;
+        }
+        if t <= t_min || t >= t_max {
+            return no_hit();
+        }
+        if t == per_axis.x {
+            return ShapeHit { t, face: select(0u32, 1u32, side.x > 0.0) };
+        }
+        if t == per_axis.y {
+            return ShapeHit { t, face: select(2u32, 3u32, side.y > 0.0) };
+        }
+        ShapeHit { t, face: select(4u32, 5u32, side.z > 0.0) }
+    }
+
+    /// Cylinder, cone and frustum: lateral surface and up to two caps.
+    pub fn intersect_frustum(shape: ShapeRecord, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+        let mut best = no_hit();
+        best.t = t_max;
+
+        // Lateral surface: x² + y² = r(z)², relative to the point of closest approach to the axis' middle.
+        let slope = shape.top_radius - shape.base_radius;
+        let t_mid = closest_approach(ray, vec3f(0.0, 0.0, 0.5));
+        let p = ray.origin + ray.direction * t_mid;
+        let d = ray.direction;
+        let radius = shape.base_radius + slope * p.z;
+        let a = d.x * d.x + d.y * d.y - slope * slope * d.z * d.z;
+        let half_b = p.x * d.x + p.y * d.y - radius * slope * d.z;
+        let c = p.x * p.x + p.y * p.y - radius * radius;
+        let discriminant = half_b * half_b - a * c;
+        if discriminant >= 0.0 {
+            // The stable pair of roots: q / a and c / q.
+            let root = sqrt(discriminant);
+            let q = -(half_b + select(-root, root, half_b >= 0.0));
+            let t0 = t_mid + c / away_from_zero(q);
+            let t1 = t_mid + q / away_from_zero(a);
+            let near = min(t0, t1);
+            let far = max(t0, t1);
+            if on_lateral_surface(shape, ray, near) && near > t_min && near < best.t {
+                best.t = near;
+            } else {
+                if on_lateral_surface(shape, ray, far) && far > t_min && far < best.t {
+                    best.t = far;
+                }
+            }
+        }
+
+        // Caps.
+        let dz = away_from_zero(d.z);
+        if (shape.kind & FLAG_BASE_OPEN) == 0u32 {
+            let t = -ray.origin.z / dz;
+            if t > t_min && t < best.t && within_radius(ray, t, shape.base_radius) {
+                best = ShapeHit { t, face: 1 };
+            }
+        }
+        if (shape.kind & FLAG_TOP_OPEN) == 0u32 {
+            let t = (1.0 - ray.origin.z) / dz;
+            if t > t_min && t < best.t && within_radius(ray, t, shape.top_radius) {
+                best = ShapeHit { t, face: 2 };
+            }
+        }
+        if best.t >= t_max {
+            return no_hit();
+        }
+        best
+    }
+
+    pub fn on_lateral_surface(shape: ShapeRecord, ray: Ray, t: f32) -> bool {
+        let z = ray.origin.z + t * ray.direction.z;
+        let radius = shape.base_radius + (shape.top_radius - shape.base_radius) * z;
+        // The mirror image of a cone beyond its apex has a negative radius.
+        z >= 0.0 && z <= 1.0 && radius >= 0.0
+    }
+
+    pub fn within_radius(ray: Ray, t: f32, radius: f32) -> bool {
+        let x = ray.origin.x + t * ray.direction.x;
+        let y = ray.origin.y + t * ray.direction.y;
+        x * x + y * y <= radius * radius
+    }
+
+    pub fn intersect_flat(kind: u32, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+        if kind == SHAPE_PLANE {
+            let t = -ray.origin.z / away_from_zero(ray.direction.z);
+            if t > t_min && t < t_max {
+                return ShapeHit { t, face: 0 };
+            }
+            return no_hit();
+        }
+        let t = -ray.origin.y / away_from_zero(ray.direction.y);
+        let x = ray.origin.x + t * ray.direction.x;
+        let z = ray.origin.z + t * ray.direction.z;
+        let mut inside = abs(x) <= 1.0 && z >= 0.0 && z <= 1.0;
+        if kind == SHAPE_TRIANGLE {
+            inside = x >= 0.0 && z >= 0.0 && x + z <= 1.0;
+        }
+        if inside && t > t_min && t < t_max {
+            return ShapeHit { t, face: 0 };
+        }
+        no_hit()
+    }
+
+    /// The first hit of a world-space ray with the shape at t in (`t_min`, `t_max`).
+    pub fn intersect_shape(shape: ShapeRecord, ray_world: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+        let ray = transform_ray(shape.object_from_world, ray_world);
+        let kind = shape.kind & SHAPE_MASK;
+        if kind >= SHAPE_PLANE {
+            return intersect_flat(kind, ray, t_min, t_max);
+        }
+        if kind == SHAPE_FRUSTUM {
+            return intersect_frustum(shape, ray, t_min, t_max);
+        }
+        if kind == SHAPE_SPHERE {
+            return intersect_sphere(ray, t_min, t_max);
+        }
+        intersect_box(ray, t_min, t_max)
+    }
+
+    /// Moves a point in object space exactly onto the surface that was hit, which makes its error independent
+    /// of the length of the ray.
+    pub fn snap_to_surface(shape: ShapeRecord, face: u32, p: Vec3f) -> Vec3f {
+        let kind = shape.kind & SHAPE_MASK;
+        if kind == SHAPE_SPHERE {
+            return normalize(p);
+        }
+        if kind == SHAPE_PLANE {
+            return vec3f(p.x, p.y, 0.0);
+        }
+        if kind == SHAPE_PARALLELOGRAM || kind == SHAPE_TRIANGLE {
+            return vec3f(p.x, 0.0, p.z);
+        }
+        if kind == SHAPE_BOX {
+            let side = f32(face & 1u32) * 2.0 - 1.0;
+            if face < 2u32 {
+                return vec3f(side, p.y, p.z);
+            }
+            if face < 4u32 {
+                return vec3f(p.x, side, p.z);
+            }
+            return vec3f(p.x, p.y, side);
+        }
+        if face == 1u32 {
+            return vec3f(p.x, p.y, 0.0);
+        }
+        if face == 2u32 {
+            return vec3f(p.x, p.y, 1.0);
+        }
+        let z = clamp(p.z, 0.0, 1.0);
+        let radius = max(0.0, shape.base_radius + (shape.top_radius - shape.base_radius) * z);
+        let scale = radius / max(sqrt(p.x * p.x + p.y * p.y), 1.0e-20);
+        vec3f(p.x * scale, p.y * scale, z)
+    }
+
+    /// Outward normal in object space; not of unit length.
+    pub fn object_normal(shape: ShapeRecord, face: u32, p: Vec3f) -> Vec3f {
+        let kind = shape.kind & SHAPE_MASK;
+        if kind == SHAPE_SPHERE {
+            return p;
+        }
+        if kind == SHAPE_PLANE {
+            return vec3f(0.0, 0.0, 1.0);
+        }
+        if kind == SHAPE_PARALLELOGRAM || kind == SHAPE_TRIANGLE {
+            return vec3f(0.0, 1.0, 0.0);
+        }
+        if kind == SHAPE_BOX {
+            let side = f32(face & 1u32) * 2.0 - 1.0;
+            if face < 2u32 {
+                return vec3f(side, 0.0, 0.0);
+            }
+            if face < 4u32 {
+                return vec3f(0.0, side, 0.0);
+            }
+            return vec3f(0.0, 0.0, side);
+        }
+        if face == 1u32 {
+            return vec3f(0.0, 0.0, -1.0);
+        }
+        if face == 2u32 {
+            return vec3f(0.0, 0.0, 1.0);
+        }
+        // Gradient of x² + y² - r(z)², with the direction of (x, y) kept where the radius vanishes.
+        let radial = max(sqrt(p.x * p.x + p.y * p.y), 1.0e-20);
+        vec3f(p.x / radial, p.y / radial, shape.base_radius - shape.top_radius)
+    }
+
+    /// Angle round z as a fraction of the full turn, in [0, 1).
+    pub fn turn_fraction(p: Vec3f) -> f32 {
+        let u = atan2(p.y, p.x) / TWO_PI;
+        select(u, u + 1.0, u < 0.0)
+    }
+
+    /// Texture coordinates, scene-format.md chapter 4.1.
+    pub fn texture_coordinates(shape: ShapeRecord, v_scale: f32, face: u32, p: Vec3f) -> Vec2f {
+        let kind = shape.kind & SHAPE_MASK;
+        if kind == SHAPE_PARALLELOGRAM {
+            return vec2f(0.5 * p.x + 0.5, p.z * v_scale);
+        }
+        if kind == SHAPE_TRIANGLE {
+            return vec2f(p.x, p.z);
+        }
+        if kind == SHAPE_PLANE {
+            return vec2f(p.x, p.y);
+        }
+        if kind == SHAPE_SPHERE {
+            return vec2f(turn_fraction(p), acos(clamp(-p.z, -1.0, 1.0)) * INVERSE_PI);
+        }
+        if kind == SHAPE_BOX {
+            return box_cross(face, p);
+        }
+        if face == 0u32 {
+            return vec2f(turn_fraction(p), p.z * v_scale);
+        }
+        let radius = max(select(shape.top_radius, shape.base_radius, face == 1u32), 1.0e-20);
+        let x = 0.5 * p.x / radius;
+        let y = 0.5 * p.y / radius;
+        vec2f(x + 0.5, select(0.5 + y, 0.5 - y, face == 1u32))
+    }
+
+    /// The 4 by 3 cross that unfolds a box.
+    pub fn box_cross(face: u32, p: Vec3f) -> Vec2f {
+        let mut uv = vec2f((p.x + 3.0) / 8.0, (p.y + 3.0) / 6.0);
+        if face == 0u32 {
+            uv = vec2f((p.z + 1.0) / 8.0, (p.y + 3.0) / 6.0);
+        }
+        if face == 1u32 {
+            uv = vec2f((5.0 - p.z) / 8.0, (p.y + 3.0) / 6.0);
+        }
+        if face == 2u32 {
+            uv = vec2f((p.x + 3.0) / 8.0, (p.z + 1.0) / 6.0);
+        }
+        if face == 3u32 {
+            uv = vec2f((p.x + 3.0) / 8.0, (5.0 - p.z) / 6.0);
+        }
+        if face == 4u32 {
+            uv = vec2f((7.0 - p.x) / 8.0, (p.y + 3.0) / 6.0);
+        }
+        clamp(uv, vec2f(0.0, 0.0), vec2f(1.0, 1.0))
+    }
+
+    /// Unit roundoff of 32-bit floats times a safety factor for the handful of operations between two hits.
+    pub const ROUNDING: f32 = 4.0e-7;
+
+    /// Everything about the point where `ray` hit the shape at parameter `hit.t`.
+    pub fn surface_point(
+        shape: ShapeRecord,
+        surface: SurfaceRecord,
+        ray: Ray,
+        hit: ShapeHit,
+    ) -> SurfacePoint {
+        let ray_object = transform_ray(shape.object_from_world, ray);
+        let p = snap_to_surface(shape, hit.face, ray_object.origin + ray_object.direction * hit.t);
+        let position = transform_point(surface.world_from_object, p);
+        let normal =
+            normalize(transform_transposed(shape.object_from_world, object_normal(shape, hit.face, p)));
+
+        // Rounding error of the position, and of carrying a ray from there back to object space, where the next
+        // intersection is decided; both brought to world space.
+        let error_world = transform_magnitude(surface.world_from_object, p);
+        let error_object = transform_magnitude(shape.object_from_world, position);
+        let m = surface.world_from_object;
+        let e = vec4f(error_object.x, error_object.y, error_object.z, 0.0);
+        let carried = vec3f(dot(abs(m.row0), e), dot(abs(m.row1), e), dot(abs(m.row2), e));
+        let error = ROUNDING * dot(abs(normal), error_world + carried);
+
+        SurfacePoint { position, error, normal, uv: texture_coordinates(shape, surface.v_scale, hit.face, p) }
+    }
+
+    /// Start of a ray that leaves the surface in `direction` without meeting it again by rounding.
+    pub fn offset_origin(point: SurfacePoint, direction: Vec3f) -> Vec3f {
+        let side = select(-1.0, 1.0, dot(direction, point.normal) >= 0.0);
+        point.position + point.normal * (side * point.error)
+    }
+}

@@ -1,0 +1,68 @@
+//! Evaluation of channel trees: colours and coefficients that vary over a surface.
+
+use wgsl_rs::wgsl;
+
+#[wgsl]
+pub mod kernel {
+    use crate::records::kernel::*;
+    use wgsl_rs::std::*;
+
+    /// Red, green, blue, alpha of a packed texel, red in the lowest byte, each in [0, 1].
+    pub fn unpack_texel(texel: u32) -> Vec4f {
+        vec4f(
+            f32(texel & 255u32),
+            f32((texel >> 8u32) & 255u32),
+            f32((texel >> 16u32) & 255u32),
+            f32(texel >> 24u32),
+        ) * (1.0 / 255.0)
+    }
+
+    /// A texel by column and row counted from the bottom; both wrap around.
+    pub fn fetch_texel<S: SceneAccess + Copy>(
+        scene: S,
+        channel: ChannelRecord,
+        column: u32,
+        row: u32,
+    ) -> Vec4f {
+        let width = channel.size & 65535u32;
+        let height = channel.size >> 16u32;
+        let x = column % width;
+        let y = height - 1u32 - row % height;
+        unpack_texel(S::texel(scene, channel.first_texel + y * width + x))
+    }
+
+    /// GroIMP's `ImageMap`: repeats in u and v, v = 0 is the bottom row, and the corner of a texel is its
+    /// sample point (materials-and-lights.md 2.3).
+    pub fn image_color<S: SceneAccess + Copy>(scene: S, channel: ChannelRecord, uv: Vec2f) -> Vec4f {
+        let width = f32(channel.size & 65535u32);
+        let height = f32(channel.size >> 16u32);
+        let x = (uv.x - floor(uv.x)) * width;
+        let y = (uv.y - floor(uv.y)) * height;
+        let column = u32(x);
+        let row = u32(y);
+        let corner = fetch_texel::<S>(scene, channel, column, row);
+        if channel.bilinear == 0u32 {
+            return corner;
+        }
+        let wx = x - floor(x);
+        let wy = y - floor(y);
+        let right = fetch_texel::<S>(scene, channel, column + 1u32, row);
+        let above = fetch_texel::<S>(scene, channel, column, row + 1u32);
+        let above_right = fetch_texel::<S>(scene, channel, column + 1u32, row + 1u32);
+        let lower = corner * (1.0 - wx) + right * wx;
+        let upper = above * (1.0 - wx) + above_right * wx;
+        lower * (1.0 - wy) + upper * wy
+    }
+
+    /// Value of a channel at a surface point; `missing` if there is no such channel.
+    pub fn channel_value<S: SceneAccess + Copy>(scene: S, index: u32, uv: Vec2f, missing: Vec4f) -> Vec4f {
+        if index == NONE {
+            return missing;
+        }
+        let channel = S::channel(scene, index);
+        if channel.operation == CHANNEL_IMAGE {
+            return image_color::<S>(scene, channel, uv);
+        }
+        channel.value
+    }
+}

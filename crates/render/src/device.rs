@@ -1,0 +1,112 @@
+//! What every device can do.
+
+use crate::{CompiledScene, Film};
+use std::sync::Arc;
+
+/// What to compute.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RenderSettings {
+    /// Width of the picture in pixels.
+    pub width: u32,
+    /// Height of the picture in pixels.
+    pub height: u32,
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Number of surfaces that a path may touch; 1 is direct light only (GroIMP's recursion depth).
+    pub depth: u32,
+    /// A pixel is divided into `grid` x `grid` strata, at least 1.
+    pub grid: u32,
+    /// Another seed gives an independent picture.
+    pub seed: u32,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        RenderSettings { width: 640, height: 480, samples: 64, depth: 5, grid: 3, seed: 0 }
+    }
+}
+
+impl RenderSettings {
+    /// Work to be done, in samples.
+    pub fn total_samples(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height) * u64::from(self.samples)
+    }
+}
+
+/// Whether the rendering shall go on; the answer to a progress report.
+pub use std::ops::ControlFlow;
+
+/// Called now and then with the number of samples done so far (of [`RenderSettings::total_samples`]), from any
+/// thread. `Break` ends the rendering with [`DeviceError::Cancelled`].
+pub type Progress<'a> = dyn Fn(u64) -> ControlFlow<()> + Sync + 'a;
+
+/// Something that can render.
+pub trait Device {
+    /// What users know it by, for example `CPU (8 threads)` or `NVIDIA GeForce RTX 3060 (Vulkan)`.
+    fn name(&self) -> String;
+
+    /// Brings a scene to the device.
+    ///
+    /// # Errors
+    /// If the device cannot hold the scene or is lost.
+    fn load(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn LoadedScene>, DeviceError>;
+}
+
+/// A scene on a device, ready to be rendered any number of times.
+pub trait LoadedScene {
+    /// Renders a picture. The result depends on the scene, the settings and the kind of device alone: not on
+    /// tiles, threads or time.
+    ///
+    /// # Errors
+    /// If the device fails or `progress` asks to stop.
+    fn render(&self, settings: &RenderSettings, progress: &Progress<'_>) -> Result<Film, DeviceError>;
+}
+
+/// Why a device could not do its work.
+#[derive(Debug, thiserror::Error)]
+pub enum DeviceError {
+    /// The user asked for a graphics card that is not there.
+    #[error(
+        "there is no GPU number {wanted}; found: {found}. `sunshine devices` lists them, `--device cpu` always works"
+    )]
+    NoSuchGpu {
+        /// What was asked for.
+        wanted: usize,
+        /// What is there, as text.
+        found: String,
+    },
+    /// The graphics card refused to work.
+    #[error("the GPU {device} failed while {doing}: {reason}. `--device cpu` renders without it")]
+    Gpu {
+        /// Which one.
+        device: String,
+        /// What it was doing.
+        doing: &'static str,
+        /// What the driver said.
+        reason: String,
+    },
+    /// A table of the scene is larger than the device can bind at once.
+    #[error(
+        "the scene's {table} need {needed} bytes, but the GPU {device} takes at most {limit} in one piece; \
+         `--device cpu` has no such limit"
+    )]
+    TooLarge {
+        /// Which one.
+        device: String,
+        /// Which table.
+        table: &'static str,
+        /// Size of the table in bytes.
+        needed: u64,
+        /// What the device takes.
+        limit: u64,
+    },
+    /// Threads could not be started.
+    #[error("the CPU threads could not be started: {reason}")]
+    Threads {
+        /// What the system said.
+        reason: String,
+    },
+    /// The progress report was answered with `Break`.
+    #[error("the rendering was cancelled")]
+    Cancelled,
+}
