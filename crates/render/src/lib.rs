@@ -6,8 +6,10 @@
 
 mod device;
 mod film;
+mod picture;
 
 pub use device::{ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
 pub use film::{Film, automatic_exposure};
+pub use picture::{PictureError, PictureFormat, check_writable, write_picture, write_whole_file};
 /// A scene in the form that devices take.
 pub struct CompiledScene;
