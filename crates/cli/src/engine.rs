@@ -32,8 +32,10 @@ pub fn automatic_gpu(gpus: &[GpuInfo]) -> Option<usize> {
 /// theirs instead.
 mod placeholder {
     use super::{CompiledScene, Device, DeviceError};
+    use render::LoadedScene;
     use std::path::Path;
     use std::str::FromStr;
+    use std::sync::Arc;
 
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum DeviceChoice {
@@ -73,7 +75,19 @@ mod placeholder {
     }
 
     pub fn open_device(_: DeviceChoice, _: Option<usize>) -> Result<Box<dyn Device>, DeviceError> {
-        Err(DeviceError::Threads { reason: "this build holds no renderer yet".to_owned() })
+        Ok(Box::new(NoDevice))
+    }
+
+    struct NoDevice;
+
+    impl Device for NoDevice {
+        fn name(&self) -> String {
+            "nothing".to_owned()
+        }
+
+        fn load(&self, _: Arc<CompiledScene>) -> Result<Box<dyn LoadedScene>, DeviceError> {
+            Err(DeviceError::Threads { reason: "this build holds no renderer yet".to_owned() })
+        }
     }
 
     #[derive(Debug, thiserror::Error)]

@@ -19,12 +19,11 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
 
     let mut seconds = Seconds::default();
     let threads = arguments.threads.map(|threads| threads as usize);
-    let device = timed(&mut seconds.open, || engine::open_device(arguments.device, threads));
+    // A device that is not there is told before a large scene is read.
+    let device = timed(&mut seconds.open, || engine::open_device(arguments.device, threads))?;
     let project = timed(&mut seconds.read, || engine::read(&arguments.scene))
         .map_err(|source| Failure::Read { path: arguments.scene.clone(), source })?;
     messages.report(&project.report);
-    // A missing scene is the more likely mistake, so it is told first.
-    let device = device?;
     let scene = Arc::new(timed(&mut seconds.compile, || engine::compile(&project.scene))?);
     let loaded = timed(&mut seconds.upload, || device.load(Arc::clone(&scene)))?;
 
