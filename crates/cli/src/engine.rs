@@ -3,7 +3,10 @@
 pub use placeholder::{
     CompileError, DeviceChoice, GpuInfo, ReadError, Report, compile, list_gpus, open_device, read,
 };
-pub use render::{CompiledScene, Device, DeviceError, Film, PictureError, PictureFormat, RenderSettings};
+pub use render::{
+    CompiledScene, Device, DeviceError, Film, PictureError, PictureFormat, RenderSettings,
+    automatic_exposure, check_writable, write_picture, write_whole_file,
+};
 
 /// Number of triangles of a compiled scene.
 pub fn triangles(scene: &CompiledScene) -> usize {

@@ -32,7 +32,7 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     progress.finish();
 
     let exposure = Exposure::choose(format, arguments.exposure, &film);
-    timed(&mut seconds.write, || render::write_picture(&film, &output, exposure.stops()))?;
+    timed(&mut seconds.write, || engine::write_picture(&film, &output, exposure.stops()))?;
 
     let mut statistics = Statistics::new(&settings, &film);
     statistics.device = device.name();
@@ -60,7 +60,7 @@ impl Exposure {
         match given {
             _ if !format.is_exposed() => Exposure::Unscaled,
             Some(stops) => Exposure::Given(stops),
-            None => Exposure::Automatic(render::automatic_exposure(film)),
+            None => Exposure::Automatic(engine::automatic_exposure(film)),
         }
     }
 
@@ -107,7 +107,7 @@ fn check_outputs(picture: &Path, statistics: Option<&Path>) -> Result<(), Failur
         )));
     }
     for path in [Some(picture), statistics].into_iter().flatten() {
-        render::check_writable(path)
+        engine::check_writable(path)
             .map_err(|source| Failure::NotWritable { path: path.to_owned(), source })?;
     }
     Ok(())

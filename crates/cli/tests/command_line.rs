@@ -93,7 +93,11 @@ fn one_name_for_two_outputs_is_wrong_usage() {
 fn an_output_that_cannot_be_written_is_refused_before_the_scene_is_looked_for() {
     let lost = Path::new("no-such-folder").join("picture.png");
     let lost = lost.to_str().unwrap();
-    assert_fails(&["render", "missing.gsz", "-o", lost], 1, &[lost, "because: "]);
+    assert_fails(
+        &["render", "missing.gsz", "-o", lost],
+        1,
+        &[lost, "because: there is no folder no-such-folder"],
+    );
     assert_fails(&["render", "missing.gsz", "--stats", "no-such-folder/s.json"], 1, &["s.json", "because: "]);
 }
 
