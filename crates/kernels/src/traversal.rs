@@ -86,7 +86,7 @@ pub mod kernel {
                 let bits = pcg4d(vec4u(
                     key.pixel,
                     key.sample ^ bitcast_u32(hit.t),
-                    DIMENSION_OPACITY + index,
+                    DIMENSION_OPACITY + S::surface(scene, index).source,
                     key.seed ^ (segment * 2654435769u32),
                 ));
                 if unit_float(bits.x) < opacity {

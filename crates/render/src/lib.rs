@@ -4,10 +4,11 @@
 //! hierarchy; a [`Device`] renders the [`CompiledScene`] into a [`Film`]. The two devices, [`cpu`] and [`gpu`],
 //! run the same kernels.
 
+mod compile;
+pub mod cpu;
 mod device;
 mod film;
 
+pub use compile::{Acceleration, CompileError, CompiledScene, compile, compile_with};
 pub use device::{ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
 pub use film::{Film, automatic_exposure};
-/// A scene in the form that devices take.
-pub struct CompiledScene;
