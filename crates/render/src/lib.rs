@@ -8,7 +8,11 @@ mod compile;
 pub mod cpu;
 mod device;
 mod film;
+pub mod gpu;
+mod open;
 
 pub use compile::{Acceleration, CompileError, CompiledScene, compile, compile_with};
 pub use device::{ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
 pub use film::{Film, automatic_exposure};
+pub use gpu::{GpuInfo, list_gpus};
+pub use open::{DeviceChoice, open_device};
