@@ -1033,7 +1033,12 @@ fn _1trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) 
         let bsdf = material_bsdf_Buffers(scene, Buffers_material(scene, shape.material), point.uv);
         result.radiance += (throughput * bsdf.emissive);
         if (touched >= depth) {
-            return result;
+            throughput = (throughput * bsdf.straight);
+            if is_dark(throughput) {
+                return result;
+            }
+            ray = Ray(offset_origin(point, ray.direction), ray.direction);
+            continue;
         }
         let dimension = (DIMENSION_FIRST_SURFACE + (segment * DIMENSIONS_PER_SURFACE));
         let u_light = random4(key, dimension);
