@@ -25,7 +25,12 @@ fn main() -> ExitCode {
     for ((shape, type_name), count) in counts {
         println!("{count} x {shape} ({type_name})");
     }
-    println!("{} materials, {} channels, {} images", scene.materials.len(), scene.channels.len(), scene.images.len());
+    println!(
+        "{} materials, {} channels, {} images",
+        scene.materials.len(),
+        scene.channels.len(),
+        scene.images.len()
+    );
     for light in &scene.lights {
         println!("{:?} at {}", light.kind, light.world_from_light.translation);
     }

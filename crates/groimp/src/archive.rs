@@ -148,7 +148,14 @@ fn read_below(root: &Path, entry: &str, limit: u64) -> io::Result<Option<Vec<u8>
     let root = if root.as_os_str().is_empty() { Path::new(".") } else { root };
     let real = match root.join(relative).canonicalize() {
         Ok(real) => real,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error)
+            if matches!(
+                error.kind(),
+                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory | io::ErrorKind::InvalidInput
+            ) =>
+        {
+            return Ok(None);
+        }
         Err(error) => return Err(error),
     };
     // Links must not lead out of the project either.

@@ -58,7 +58,7 @@ impl<'a> Channels<'a> {
 
     /// A Phong shader from its fields in the file.
     pub fn phong(&mut self, fields: Members, out: &mut Output) -> Result<(Phong, Mean), ReadError> {
-        let mut phong = self.plain_phong(out);
+        let mut phong = self.plain_phong(self.graph.values.find(fields, "diffuse").is_some(), out);
         for name in CHANNEL_NAMES {
             if let Some(value) = self.graph.values.find(fields, name) {
                 let channel = self.channel(value, name, out)?;
@@ -77,7 +77,7 @@ impl<'a> Channels<'a> {
         channels: &[(String, StaticChannel)],
         out: &mut Output,
     ) -> Result<(Phong, Mean), ReadError> {
-        let mut phong = self.plain_phong(out);
+        let mut phong = self.plain_phong(channels.iter().any(|(name, _)| name == "diffuse"), out);
         for (name, channel) in channels {
             let channel = match channel {
                 StaticChannel::Rgb(color) => self.constant(*color, out),
@@ -92,9 +92,9 @@ impl<'a> Channels<'a> {
         Ok(self.with_mean(phong))
     }
 
-    /// What `new Phong()` is.
-    fn plain_phong(&mut self, out: &mut Output) -> Phong {
-        let diffuse = Some(self.constant([0.5; 3], out));
+    /// What `new Phong()` is, without the diffuse channel if that is set in any case.
+    fn plain_phong(&mut self, sets_diffuse: bool, out: &mut Output) -> Phong {
+        let diffuse = if sets_diffuse { None } else { Some(self.constant([0.5; 3], out)) };
         Phong { diffuse, interpolated_transparency: true, ..Phong::default() }
     }
 

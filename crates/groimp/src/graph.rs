@@ -204,10 +204,10 @@ impl<'a> Parser<'a> {
             Open::NodeRef(id) => Some(id),
             Open::Graph | Open::Value(_) => None,
         };
-        if let (Some(from), Some(edges)) = (from, element.attribute("edges")) {
-            if is_tree_edge(edges) {
-                self.edges.push(RawEdge { from, to, line: element.line });
-            }
+        if let (Some(from), Some(edges)) = (from, element.attribute("edges"))
+            && is_tree_edge(edges)
+        {
+            self.edges.push(RawEdge { from, to, line: element.line });
         }
         Ok(open)
     }

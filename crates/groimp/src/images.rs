@@ -30,9 +30,11 @@ impl Images {
         if let Some(known) = self.by_file.get(file) {
             return Ok(*known);
         }
-        let decoded = match self.archive.read(file)? {
-            None => Err("is not in the project".to_owned()),
-            Some(bytes) => decode(file, &bytes, self.archive.limits()),
+        let decoded = match self.archive.read(file) {
+            Ok(Some(bytes)) => decode(file, &bytes, self.archive.limits()),
+            Ok(None) => Err("is not in the project".to_owned()),
+            Err(error @ ReadError::TooLarge { .. }) => return Err(error),
+            Err(error) => Err(format!("cannot be read ({error})")),
         };
         let id = match decoded {
             Ok(image) => Some(scene.add_image(image)),

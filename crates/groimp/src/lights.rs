@@ -42,8 +42,13 @@ pub(crate) fn light(fields: &Fields<'_>) -> Result<LightValue, ReadError> {
         "PointLight" => LightKind::Point { power: share(member.number("power", 100.0)?, color) },
         "SpotLight" => {
             let pi = std::f64::consts::PI;
-            let inner_angle = member.number("innerAngle", pi / 8.0)?.clamp(0.0, pi);
-            let outer_angle = member.number("outerAngle", pi / 6.0)?.clamp(inner_angle, pi);
+            let (inner, outer) =
+                (member.number("innerAngle", pi / 8.0)?, member.number("outerAngle", pi / 6.0)?);
+            if !inner.is_finite() || !outer.is_finite() {
+                return Ok(LightValue::Skipped(class.to_owned(), "an angle of its cone is not a number"));
+            }
+            let inner_angle = inner.clamp(0.0, pi);
+            let outer_angle = outer.clamp(inner_angle, pi);
             LightKind::Spot { power: share(member.number("power", 100.0)?, color), inner_angle, outer_angle }
         }
         "DirectionalLight" => {
@@ -54,22 +59,10 @@ pub(crate) fn light(fields: &Fields<'_>) -> Result<LightValue, ReadError> {
     let (LightKind::Point { power }
     | LightKind::Spot { power, .. }
     | LightKind::Directional { irradiance: power }) = &kind;
-    if !power.iter().all(|p| p.is_finite() && *p >= 0.0) || !angles_are_numbers(&kind) {
-        return Ok(LightValue::Skipped(
-            class.to_owned(),
-            "its power or an angle is negative or not a number",
-        ));
+    if !power.iter().all(|p| p.is_finite() && *p >= 0.0) {
+        return Ok(LightValue::Skipped(class.to_owned(), "its power is negative or not a number"));
     }
     Ok(LightValue::Light { kind, shadowless: member.flag("shadowless") })
-}
-
-fn angles_are_numbers(kind: &LightKind) -> bool {
-    match kind {
-        LightKind::Spot { inner_angle, outer_angle, .. } => {
-            inner_angle.is_finite() && outer_angle.is_finite()
-        }
-        LightKind::Point { .. } | LightKind::Directional { .. } => true,
-    }
 }
 
 /// The area light of a Parallelogram whose shader has the average colour `color`; an error text if it cannot
