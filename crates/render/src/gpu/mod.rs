@@ -1,6 +1,7 @@
 //! The GPU device: the kernels as WGSL on any adapter that wgpu finds (Vulkan, Metal, DirectX 12).
 
 mod adapters;
+mod assemble;
 mod scene;
 mod shader;
 

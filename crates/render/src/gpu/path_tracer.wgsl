@@ -144,9 +144,7 @@ fn transform_magnitude(matrix: Affine, point: vec3f) -> vec3f {
     let p = vec4f(abs(point.x), abs(point.y), abs(point.z), 1.0);
     return vec3f(dot(abs(matrix.row0), p), dot(abs(matrix.row1), p), dot(abs(matrix.row2), p));
 }
-fn unpack_texel(texel: u32) -> vec4f {
-    return (vec4f(f32((texel & 255u)), f32(((texel >> 8u) & 255u)), f32(((texel >> 16u) & 255u)), f32((texel >> 24u))) * (1.0 / 255.0));
-}
+
 const PI: f32 = 3.14159265358979;
 const INVERSE_PI: f32 = 0.318309886183791;
 const TWO_PI: f32 = 6.28318530717959;
@@ -200,143 +198,7 @@ fn luminance(color: vec3f) -> f32 {
 fn largest(color: vec3f) -> f32 {
     return max(color.x, max(color.y, color.z));
 }
-struct Bsdf {
-    diffuse: vec3f,
-    diffuse_transmission: vec3f,
-    glossy: vec3f,
-    exponent: f32,
-    glossy_transmission: vec3f,
-    transmission_exponent: f32,
-    straight: vec3f,
-    emissive: vec3f
-}
 
-struct BsdfSample {
-    direction: vec3f,
-    weight: vec3f,
-    pdf: f32,
-    event: u32
-}
-const EVENT_ABSORBED: u32 = 0u;
-const EVENT_SCATTERED: u32 = 1u;
-const EVENT_MIRRORED: u32 = 2u;
-const EVENT_PASSED: u32 = 3u;
-const MIRROR_EXPONENT: f32 = 100000.0;
-
-fn shininess_exponent(shininess: f32) -> f32 {
-    let y = (shininess * (2.0 - shininess));
-    if (y <= 0.0) {
-        return 0.0;
-    }
-    if (y >= 0.99999) {
-        return MIRROR_EXPONENT;
-    }
-    return min((-2.0 / log(y)), MIRROR_EXPONENT);
-}
-
-fn glossy_norm(exponent: f32) -> f32 {
-    let excess = (1.0 + (0.08 * max(0.0, (1.0 - exponent))));
-    return ((exponent + 2.0) / (TWO_PI * excess));
-}
-
-fn glossy_value(along: f32, exponent: f32, cos_in: f32, cos_out: f32) -> f32 {
-    if (along <= 0.0) {
-        return 0.0;
-    }
-    return ((glossy_norm(exponent) * pow(along, exponent)) * (cos_in / max(cos_in, cos_out)));
-}
-
-fn evaluate_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, wi: vec3f) -> vec3f {
-    let cos_o = dot(normal, wo);
-    let cos_i = dot(normal, wi);
-    if (cos_i > 0.0) {
-        var value = (bsdf.diffuse * (cos_i * INVERSE_PI));
-        if (bsdf.exponent < MIRROR_EXPONENT) {
-            let along = dot(reflect(-wo, normal), wi);
-            value += (bsdf.glossy * glossy_value(along, bsdf.exponent, cos_i, cos_o));
-        }
-        return value;
-    }
-    var value = (bsdf.diffuse_transmission * (-cos_i * INVERSE_PI));
-    if (bsdf.transmission_exponent < MIRROR_EXPONENT) {
-        let along = dot(-wo, wi);
-        value += (bsdf.glossy_transmission * glossy_value(along, bsdf.transmission_exponent, -cos_i, cos_o));
-    }
-    return value;
-}
-
-fn lobe_probabilities(bsdf: Bsdf) -> vec4f {
-    let lobes = vec4f(luminance(bsdf.diffuse), luminance(bsdf.glossy), luminance(bsdf.diffuse_transmission), luminance(bsdf.glossy_transmission));
-    let sum = ((((lobes.x + lobes.y) + lobes.z) + lobes.w) + luminance(bsdf.straight));
-    return (lobes * (1.0 / max(sum, 1.0e-20)));
-}
-
-fn bsdf_pdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, wi: vec3f) -> f32 {
-    let chance = lobe_probabilities(bsdf);
-    let cos_i = dot(normal, wi);
-    if (cos_i > 0.0) {
-        var pdf = (chance.x * cosine_hemisphere_pdf(cos_i));
-        if (bsdf.exponent < MIRROR_EXPONENT) {
-            pdf += (chance.y * power_cosine_pdf(dot(reflect(-wo, normal), wi), bsdf.exponent));
-        }
-        return pdf;
-    }
-    var pdf = (chance.z * cosine_hemisphere_pdf(-cos_i));
-    if (bsdf.transmission_exponent < MIRROR_EXPONENT) {
-        pdf += (chance.w * power_cosine_pdf(dot(-wo, wi), bsdf.transmission_exponent));
-    }
-    return pdf;
-}
-
-fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
-    let chance = lobe_probabilities(bsdf);
-    var sample = BsdfSample(normal, vec3f(0.0, 0.0, 0.0), 0.0, EVENT_ABSORBED);
-    let up_to_glossy = (chance.x + chance.y);
-    let up_to_diffuse_transmission = (up_to_glossy + chance.z);
-    let up_to_glossy_transmission = (up_to_diffuse_transmission + chance.w);
-    if (u.x < chance.x) {
-        sample.direction = around_axis(normal, cosine_hemisphere(vec2f(u.y, u.z)));
-    } else if (u.x < up_to_glossy) {
-        let mirrored = reflect(-wo, normal);
-        if (bsdf.exponent >= MIRROR_EXPONENT) {
-            sample.direction = mirrored;
-            sample.weight = (bsdf.glossy * (1.0 / chance.y));
-            sample.event = EVENT_MIRRORED;
-            return sample;
-        }
-        sample.direction = around_axis(mirrored, power_cosine(vec2f(u.y, u.z), bsdf.exponent));
-        if (dot(sample.direction, normal) <= 0.0) {
-            return sample;
-        }
-    } else if (u.x < up_to_diffuse_transmission) {
-        sample.direction = around_axis(-normal, cosine_hemisphere(vec2f(u.y, u.z)));
-    } else if (u.x < up_to_glossy_transmission) {
-        if (bsdf.transmission_exponent >= MIRROR_EXPONENT) {
-            sample.direction = -wo;
-            sample.weight = (bsdf.glossy_transmission * (1.0 / chance.w));
-            sample.event = EVENT_MIRRORED;
-            return sample;
-        }
-        sample.direction = around_axis(-wo, power_cosine(vec2f(u.y, u.z), bsdf.transmission_exponent));
-        if (dot(sample.direction, normal) >= 0.0) {
-            return sample;
-        }
-    } else {
-        let rest = (1.0 - up_to_glossy_transmission);
-        if (rest > 1.0e-6) {
-            sample.direction = -wo;
-            sample.weight = (bsdf.straight * (1.0 / rest));
-            sample.event = EVENT_PASSED;
-        }
-        return sample;
-    }
-    sample.pdf = bsdf_pdf(bsdf, normal, wo, sample.direction);
-    if (sample.pdf > 0.0) {
-        sample.weight = (evaluate_bsdf(bsdf, normal, wo, sample.direction) * (1.0 / sample.pdf));
-        sample.event = EVENT_SCATTERED;
-    }
-    return sample;
-}
 struct Ray {
     origin: vec3f,
     direction: vec3f
@@ -651,17 +513,507 @@ fn offset_origin(point: SurfacePoint, direction: vec3f) -> vec3f {
     let side = select(-1.0, 1.0, (dot(direction, point.normal) >= 0.0));
     return (point.position + (point.normal * (side * point.error)));
 }
-fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> Ray {
-    let width = f32(settings.width);
-    let image_x = ((((2.0 * x) - width) / width) * header.view_scale_x);
-    let image_y = (((f32(settings.height) - (2.0 * y)) / width) * header.view_scale_y);
-    if (header.camera == CAMERA_PARALLEL) {
-        let start = vec3f(image_x, image_y, header.start_distance);
-        return Ray(transform_point(header.world_from_view, start), normalize(transform_vector(header.world_from_view, vec3f(0.0, 0.0, -1.0))));
-    }
-    let direction = vec3f(image_x, image_y, -1.0);
-    return Ray(transform_point(header.world_from_view, vec3f(0.0, 0.0, 0.0)), normalize(transform_vector(header.world_from_view, direction)));
+
+struct SampleKey {
+    pixel: u32,
+    sample: u32,
+    seed: u32
 }
+const DIMENSION_PIXEL: u32 = 0u;
+const DIMENSION_FIRST_SURFACE: u32 = 1u;
+const DIMENSIONS_PER_SURFACE: u32 = 2u;
+const DIMENSION_OPACITY: u32 = 2147483648u;
+
+fn pcg4d(v: vec4u) -> vec4u {
+    var x: u32 = ((v.x * 1664525u) + 1013904223u);
+    var y: u32 = ((v.y * 1664525u) + 1013904223u);
+    var z: u32 = ((v.z * 1664525u) + 1013904223u);
+    var w: u32 = ((v.w * 1664525u) + 1013904223u);
+    x += (y * w);
+    y += (z * x);
+    z += (x * y);
+    w += (y * z);
+    x = (x ^ (x >> 16u));
+    y = (y ^ (y >> 16u));
+    z = (z ^ (z >> 16u));
+    w = (w ^ (w >> 16u));
+    x += (y * w);
+    y += (z * x);
+    z += (x * y);
+    w += (y * z);
+    return vec4u(x, y, z, w);
+}
+
+fn unit_float(bits: u32) -> f32 {
+    return (f32((bits >> 8u)) * 0.000000059604644775390625);
+}
+
+fn random4(key: SampleKey, dimension: u32) -> vec4f {
+    let bits = pcg4d(vec4u(key.pixel, key.sample, dimension, key.seed));
+    return vec4f(unit_float(bits.x), unit_float(bits.y), unit_float(bits.z), unit_float(bits.w));
+}
+
+fn pixel_position(key: SampleKey, grid: u32) -> vec2f {
+    let jitter = random4(key, DIMENSION_PIXEL);
+    let cells = (grid * grid);
+    let round = (key.sample / cells);
+    let start = pcg4d(vec4u(key.pixel, round, 3735928559u, key.seed)).x;
+    let cell = (((key.sample % cells) + (start % cells)) % cells);
+    let column = (cell % grid);
+    let row = (cell / grid);
+    return vec2f(((f32(column) + jitter.x) / f32(grid)), ((f32(row) + jitter.y) / f32(grid)));
+}
+
+fn unpack_texel(texel: u32) -> vec4f {
+    return (vec4f(f32((texel & 255u)), f32(((texel >> 8u) & 255u)), f32(((texel >> 16u) & 255u)), f32((texel >> 24u))) * (1.0 / 255.0));
+}
+
+fn channel_value_Buffers(scene: Buffers, index: u32, uv: vec2f, missing: vec4f) -> vec4f {
+    if (index == NONE) {
+        return missing;
+    }
+    let channel = Buffers_channel(scene, index);
+    if (channel.operation == CHANNEL_IMAGE) {
+        return image_color_Buffers(scene, channel, uv);
+    }
+    return channel.value;
+}
+
+fn fetch_texel_Buffers(scene: Buffers, channel: ChannelRecord, column: u32, row: u32) -> vec4f {
+    let width = (channel.size & 65535u);
+    let height = (channel.size >> 16u);
+    let x = (column % width);
+    let y = ((height - 1u) - (row % height));
+    return unpack_texel(Buffers_texel(scene, ((channel.first_texel + (y * width)) + x)));
+}
+
+fn image_color_Buffers(scene: Buffers, channel: ChannelRecord, uv: vec2f) -> vec4f {
+    let width = f32((channel.size & 65535u));
+    let height = f32((channel.size >> 16u));
+    let x = ((uv.x - floor(uv.x)) * width);
+    let y = ((uv.y - floor(uv.y)) * height);
+    let column = u32(x);
+    let row = u32(y);
+    let corner = fetch_texel_Buffers(scene, channel, column, row);
+    if (channel.bilinear == 0u) {
+        return corner;
+    }
+    let wx = (x - floor(x));
+    let wy = (y - floor(y));
+    let right = fetch_texel_Buffers(scene, channel, (column + 1u), row);
+    let above = fetch_texel_Buffers(scene, channel, column, (row + 1u));
+    let above_right = fetch_texel_Buffers(scene, channel, (column + 1u), (row + 1u));
+    let lower = ((corner * (1.0 - wx)) + (right * wx));
+    let upper = ((above * (1.0 - wx)) + (above_right * wx));
+    return ((lower * (1.0 - wy)) + (upper * wy));
+}
+
+struct Bsdf {
+    diffuse: vec3f,
+    diffuse_transmission: vec3f,
+    glossy: vec3f,
+    exponent: f32,
+    glossy_transmission: vec3f,
+    transmission_exponent: f32,
+    straight: vec3f,
+    emissive: vec3f
+}
+
+struct BsdfSample {
+    direction: vec3f,
+    weight: vec3f,
+    pdf: f32,
+    event: u32
+}
+const EVENT_ABSORBED: u32 = 0u;
+const EVENT_SCATTERED: u32 = 1u;
+const EVENT_MIRRORED: u32 = 2u;
+const EVENT_PASSED: u32 = 3u;
+const MIRROR_EXPONENT: f32 = 100000.0;
+
+fn shininess_exponent(shininess: f32) -> f32 {
+    let y = (shininess * (2.0 - shininess));
+    if (y <= 0.0) {
+        return 0.0;
+    }
+    if (y >= 0.99999) {
+        return MIRROR_EXPONENT;
+    }
+    return min((-2.0 / log(y)), MIRROR_EXPONENT);
+}
+
+fn glossy_norm(exponent: f32) -> f32 {
+    let excess = (1.0 + (0.08 * max(0.0, (1.0 - exponent))));
+    return ((exponent + 2.0) / (TWO_PI * excess));
+}
+
+fn glossy_value(along: f32, exponent: f32, cos_in: f32, cos_out: f32) -> f32 {
+    if (along <= 0.0) {
+        return 0.0;
+    }
+    return ((glossy_norm(exponent) * pow(along, exponent)) * (cos_in / max(cos_in, cos_out)));
+}
+
+fn evaluate_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, wi: vec3f) -> vec3f {
+    let cos_o = dot(normal, wo);
+    let cos_i = dot(normal, wi);
+    if (cos_i > 0.0) {
+        var value = (bsdf.diffuse * (cos_i * INVERSE_PI));
+        if (bsdf.exponent < MIRROR_EXPONENT) {
+            let along = dot(reflect(-wo, normal), wi);
+            value += (bsdf.glossy * glossy_value(along, bsdf.exponent, cos_i, cos_o));
+        }
+        return value;
+    }
+    var value = (bsdf.diffuse_transmission * (-cos_i * INVERSE_PI));
+    if (bsdf.transmission_exponent < MIRROR_EXPONENT) {
+        let along = dot(-wo, wi);
+        value += (bsdf.glossy_transmission * glossy_value(along, bsdf.transmission_exponent, -cos_i, cos_o));
+    }
+    return value;
+}
+
+fn lobe_probabilities(bsdf: Bsdf) -> vec4f {
+    let lobes = vec4f(luminance(bsdf.diffuse), luminance(bsdf.glossy), luminance(bsdf.diffuse_transmission), luminance(bsdf.glossy_transmission));
+    let sum = ((((lobes.x + lobes.y) + lobes.z) + lobes.w) + luminance(bsdf.straight));
+    return (lobes * (1.0 / max(sum, 1.0e-20)));
+}
+
+fn bsdf_pdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, wi: vec3f) -> f32 {
+    let chance = lobe_probabilities(bsdf);
+    let cos_i = dot(normal, wi);
+    if (cos_i > 0.0) {
+        var pdf = (chance.x * cosine_hemisphere_pdf(cos_i));
+        if (bsdf.exponent < MIRROR_EXPONENT) {
+            pdf += (chance.y * power_cosine_pdf(dot(reflect(-wo, normal), wi), bsdf.exponent));
+        }
+        return pdf;
+    }
+    var pdf = (chance.z * cosine_hemisphere_pdf(-cos_i));
+    if (bsdf.transmission_exponent < MIRROR_EXPONENT) {
+        pdf += (chance.w * power_cosine_pdf(dot(-wo, wi), bsdf.transmission_exponent));
+    }
+    return pdf;
+}
+
+fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
+    let chance = lobe_probabilities(bsdf);
+    var sample = BsdfSample(normal, vec3f(0.0, 0.0, 0.0), 0.0, EVENT_ABSORBED);
+    let up_to_glossy = (chance.x + chance.y);
+    let up_to_diffuse_transmission = (up_to_glossy + chance.z);
+    let up_to_glossy_transmission = (up_to_diffuse_transmission + chance.w);
+    if (u.x < chance.x) {
+        sample.direction = around_axis(normal, cosine_hemisphere(vec2f(u.y, u.z)));
+    } else if (u.x < up_to_glossy) {
+        let mirrored = reflect(-wo, normal);
+        if (bsdf.exponent >= MIRROR_EXPONENT) {
+            sample.direction = mirrored;
+            sample.weight = (bsdf.glossy * (1.0 / chance.y));
+            sample.event = EVENT_MIRRORED;
+            return sample;
+        }
+        sample.direction = around_axis(mirrored, power_cosine(vec2f(u.y, u.z), bsdf.exponent));
+        if (dot(sample.direction, normal) <= 0.0) {
+            return sample;
+        }
+    } else if (u.x < up_to_diffuse_transmission) {
+        sample.direction = around_axis(-normal, cosine_hemisphere(vec2f(u.y, u.z)));
+    } else if (u.x < up_to_glossy_transmission) {
+        if (bsdf.transmission_exponent >= MIRROR_EXPONENT) {
+            sample.direction = -wo;
+            sample.weight = (bsdf.glossy_transmission * (1.0 / chance.w));
+            sample.event = EVENT_MIRRORED;
+            return sample;
+        }
+        sample.direction = around_axis(-wo, power_cosine(vec2f(u.y, u.z), bsdf.transmission_exponent));
+        if (dot(sample.direction, normal) >= 0.0) {
+            return sample;
+        }
+    } else {
+        let rest = (1.0 - up_to_glossy_transmission);
+        if (rest > 1.0e-6) {
+            sample.direction = -wo;
+            sample.weight = (bsdf.straight * (1.0 / rest));
+            sample.event = EVENT_PASSED;
+        }
+        return sample;
+    }
+    sample.pdf = bsdf_pdf(bsdf, normal, wo, sample.direction);
+    if (sample.pdf > 0.0) {
+        sample.weight = (evaluate_bsdf(bsdf, normal, wo, sample.direction) * (1.0 / sample.pdf));
+        sample.event = EVENT_SCATTERED;
+    }
+    return sample;
+}
+
+fn clear_transmission_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f, alpha: f32) -> vec3f {
+    let zero = vec4f(0.0, 0.0, 0.0, 1.0);
+    let channel = channel_value_Buffers(scene, material.transparency, uv, zero);
+    let cover = (alpha * material.opacity);
+    let tau = vec3f(channel.x, channel.y, channel.z);
+    return (vec3f((1.0 - cover), (1.0 - cover), (1.0 - cover)) + (tau * cover));
+}
+
+fn material_bsdf_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) -> Bsdf {
+    let black = vec4f(0.0, 0.0, 0.0, 1.0);
+    let c_d = channel_value_Buffers(scene, material.diffuse, uv, vec4f(0.5, 0.5, 0.5, 1.0));
+    let c_s = channel_value_Buffers(scene, material.specular, uv, black);
+    let c_dt = channel_value_Buffers(scene, material.diffuse_transparency, uv, black);
+    let emissive = channel_value_Buffers(scene, material.emissive, uv, black);
+    let tau = clear_transmission_Buffers(scene, material, uv, c_d.w);
+    let one = vec3f(1.0, 1.0, 1.0);
+    let zero = vec3f(0.0, 0.0, 0.0);
+    var diffuse = max(vec3f(c_d.x, c_d.y, c_d.z), zero);
+    var glossy = max(vec3f(c_s.x, c_s.y, c_s.z), zero);
+    let diffuse_transmission = max(vec3f(c_dt.x, c_dt.y, c_dt.z), zero);
+    if (material.interpolated_transparency != 0u) {
+        diffuse *= (one - tau);
+        glossy *= (one - tau);
+    }
+    let opacity = max(surface_opacity_Buffers(scene, material, uv), 1.0e-6);
+    var straight = zero;
+    var blurred = zero;
+    if (material.transparency_shininess == NONE) {
+        let passed = min(tau.x, min(tau.y, tau.z));
+        straight = max((tau - vec3f(passed, passed, passed)), zero);
+    } else {
+        let cut = (1.0 - clamp((c_d.w * material.opacity), 0.0, 1.0));
+        blurred = max((tau - vec3f(cut, cut, cut)), zero);
+    }
+    if (material.interpolated_transparency != 0u) {
+        diffuse *= (1.0 / opacity);
+        glossy *= (1.0 / opacity);
+    }
+    straight *= (1.0 / opacity);
+    blurred *= (1.0 / opacity);
+    let total = largest(((((diffuse + glossy) + diffuse_transmission) + straight) + blurred));
+    let scale = (1.0 / max(total, 1.0));
+    let shininess = channel_value_Buffers(scene, material.shininess, uv, black);
+    let transmission_shininess = channel_value_Buffers(scene, material.transparency_shininess, uv, black);
+    return Bsdf((diffuse * scale), (diffuse_transmission * scale), (glossy * scale), select(shininess_exponent(shininess.x), 4.0, (material.shininess == NONE)), (blurred * scale), shininess_exponent(transmission_shininess.x), (straight * scale), vec3f(emissive.x, emissive.y, emissive.z));
+}
+
+fn surface_opacity_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) -> f32 {
+    let grey = vec4f(0.5, 0.5, 0.5, 1.0);
+    let diffuse = channel_value_Buffers(scene, material.diffuse, uv, grey);
+    if (material.transparency_shininess != NONE) {
+        return clamp((diffuse.w * material.opacity), 0.0, 1.0);
+    }
+    let tau = clear_transmission_Buffers(scene, material, uv, diffuse.w);
+    return clamp((1.0 - min(tau.x, min(tau.y, tau.z))), 0.0, 1.0);
+}
+
+fn surface_transmittance_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) -> vec3f {
+    let grey = vec4f(0.5, 0.5, 0.5, 1.0);
+    let diffuse = channel_value_Buffers(scene, material.diffuse, uv, grey);
+    if (material.transparency_shininess != NONE) {
+        let clear = clamp((1.0 - (diffuse.w * material.opacity)), 0.0, 1.0);
+        return vec3f(clear, clear, clear);
+    }
+    let tau = clear_transmission_Buffers(scene, material, uv, diffuse.w);
+    return clamp(tau, vec3f(0.0, 0.0, 0.0), vec3f(1.0, 1.0, 1.0));
+}
+
+struct Hit {
+    shape: ShapeHit,
+    object: u32
+}
+const MAX_BVH_DEPTH: u32 = 64u;
+const MAX_HITS_PER_OBJECT: u32 = 4u;
+
+fn inverse_direction(d: vec3f) -> vec3f {
+    return vec3f((1.0 / away_from_zero(d.x)), (1.0 / away_from_zero(d.y)), (1.0 / away_from_zero(d.z)));
+}
+
+fn box_entry(
+    origin: vec3f,
+    inverse: vec3f,
+    low: vec3f,
+    high: vec3f,
+    t_max: f32,
+) -> f32 {
+    let a = ((low - origin) * inverse);
+    let b = ((high - origin) * inverse);
+    let near = min(a, b);
+    let far = max(a, b);
+    let t_in = max(max(near.x, near.y), max(near.z, 0.0));
+    let t_out = min(min(far.x, far.y), min(far.z, t_max));
+    return select(NO_HIT, t_in, (t_in <= (t_out * 1.0000004)));
+}
+
+fn is_dark(color: vec3f) -> bool {
+    return (((color.x <= 0.0) && (color.y <= 0.0)) && (color.z <= 0.0));
+}
+
+fn closer_hit_Buffers(
+    scene: Buffers,
+    index: u32,
+    ray: Ray,
+    key: SampleKey,
+    segment: u32,
+    best: Hit,
+) -> Hit {
+    let shape = Buffers_shape(scene, index);
+    var t_min: f32 = 0.0;
+    for (var attempt = 0u; attempt < 4u; attempt++) {
+        let hit = intersect_shape(shape, ray, t_min, best.shape.t);
+        if (hit.t >= NO_HIT) {
+            return best;
+        }
+        if ((shape.kind & FLAG_NOT_OPAQUE) == 0u) {
+            return Hit(hit, index);
+        }
+        let uv = hit_uv_Buffers(scene, index, shape, ray, hit);
+        let opacity = surface_opacity_Buffers(scene, Buffers_material(scene, shape.material), uv);
+        if (opacity >= 1.0) {
+            return Hit(hit, index);
+        }
+        if (opacity > 0.0) {
+            let bits = pcg4d(vec4u(key.pixel, key.sample, (DIMENSION_OPACITY + Buffers_surface(scene, index).source), (key.seed ^ (((segment * 4u) + attempt) * 2654435769u))));
+            if (unit_float(bits.x) < opacity) {
+                return Hit(hit, index);
+            }
+        }
+        t_min = hit.t;
+    }
+    return best;
+}
+
+fn closest_hit_Buffers(scene: Buffers, ray: Ray, key: SampleKey, segment: u32) -> Hit {
+    let header = Buffers_header(scene);
+    var best = Hit(no_hit(), NONE);
+    for (var i = 0u; i < header.unbounded_objects; i++) {
+        best = closer_hit_Buffers(scene, i, ray, key, segment, best);
+    }
+    if (header.nodes == 0u) {
+        return best;
+    }
+    let inverse = inverse_direction(ray.direction);
+    var stack: array<u32, 64> = array<u32, 64>();
+    var stacked: u32 = 0u;
+    var current: u32 = 0u;
+    var searching = true;
+    while searching {
+        let node = Buffers_node(scene, current);
+        let t0 = box_entry(ray.origin, inverse, node.min0, node.max0, best.shape.t);
+        let t1 = box_entry(ray.origin, inverse, node.min1, node.max1, best.shape.t);
+        var descend0 = (t0 < NO_HIT);
+        var descend1 = (t1 < NO_HIT);
+        if (descend0 && (node.count0 > 0u)) {
+            for (var i = 0u; i < node.count0; i++) {
+                best = closer_hit_Buffers(scene, (node.child0 + i), ray, key, segment, best);
+            }
+            descend0 = false;
+        }
+        if (descend1 && (node.count1 > 0u)) {
+            if (t1 < best.shape.t) {
+                for (var i = 0u; i < node.count1; i++) {
+                    best = closer_hit_Buffers(scene, (node.child1 + i), ray, key, segment, best);
+                }
+            }
+            descend1 = false;
+        }
+        if (descend0 && descend1) {
+            let first = (t0 <= t1);
+            stack[u32(stacked)] = select(node.child0, node.child1, first);
+            stacked += 1u;
+            current = select(node.child1, node.child0, first);
+        } else if descend0 {
+            current = node.child0;
+        } else if descend1 {
+            current = node.child1;
+        } else if (stacked > 0u) {
+            stacked -= 1u;
+            current = stack[u32(stacked)];
+        } else {
+            searching = false;
+        }
+    }
+    return best;
+}
+
+fn hit_uv_Buffers(
+    scene: Buffers,
+    index: u32,
+    shape: ShapeRecord,
+    ray: Ray,
+    hit: ShapeHit,
+) -> vec2f {
+    let ray_object = transform_ray(shape.object_from_world, ray);
+    let p = snap_to_surface(shape, hit.face, (ray_object.origin + (ray_object.direction * hit.t)));
+    return texture_coordinates(shape, Buffers_surface(scene, index).v_scale, hit.face, p);
+}
+
+fn object_transmittance_Buffers(scene: Buffers, index: u32, ray: Ray, t_max: f32) -> vec3f {
+    let shape = Buffers_shape(scene, index);
+    var passed = vec3f(1.0, 1.0, 1.0);
+    var t_min: f32 = 0.0;
+    for (var _attempt = 0u; _attempt < 4u; _attempt++) {
+        let hit = intersect_shape(shape, ray, t_min, t_max);
+        if (hit.t >= NO_HIT) {
+            return passed;
+        }
+        if ((shape.kind & FLAG_NOT_OPAQUE) == 0u) {
+            return vec3f(0.0, 0.0, 0.0);
+        }
+        let uv = hit_uv_Buffers(scene, index, shape, ray, hit);
+        passed *= surface_transmittance_Buffers(scene, Buffers_material(scene, shape.material), uv);
+        t_min = hit.t;
+    }
+    return passed;
+}
+
+fn transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32) -> vec3f {
+    let header = Buffers_header(scene);
+    var passed = vec3f(1.0, 1.0, 1.0);
+    for (var i = 0u; i < header.unbounded_objects; i++) {
+        passed *= object_transmittance_Buffers(scene, i, ray, t_max);
+    }
+    if ((header.nodes == 0u) || is_dark(passed)) {
+        return passed;
+    }
+    let inverse = inverse_direction(ray.direction);
+    var stack: array<u32, 64> = array<u32, 64>();
+    var stacked: u32 = 0u;
+    var current: u32 = 0u;
+    var searching = true;
+    while searching {
+        let node = Buffers_node(scene, current);
+        var descend0 = (box_entry(ray.origin, inverse, node.min0, node.max0, t_max) < NO_HIT);
+        var descend1 = (box_entry(ray.origin, inverse, node.min1, node.max1, t_max) < NO_HIT);
+        if (descend0 && (node.count0 > 0u)) {
+            for (var i = 0u; i < node.count0; i++) {
+                passed *= object_transmittance_Buffers(scene, (node.child0 + i), ray, t_max);
+            }
+            descend0 = false;
+        }
+        if (descend1 && (node.count1 > 0u)) {
+            for (var i = 0u; i < node.count1; i++) {
+                passed *= object_transmittance_Buffers(scene, (node.child1 + i), ray, t_max);
+            }
+            descend1 = false;
+        }
+        if is_dark(passed) {
+            return passed;
+        }
+        if (descend0 && descend1) {
+            stack[u32(stacked)] = node.child1;
+            stacked += 1u;
+            current = node.child0;
+        } else if descend0 {
+            current = node.child0;
+        } else if descend1 {
+            current = node.child1;
+        } else if (stacked > 0u) {
+            stacked -= 1u;
+            current = stack[u32(stacked)];
+        } else {
+            searching = false;
+        }
+    }
+    return passed;
+}
+
 struct LightSample {
     direction: vec3f,
     distance: f32,
@@ -783,85 +1135,42 @@ fn sample_light(
     }
     return LightSample(direction, distance, (intensity * (1.0 / squared)), 0.0);
 }
-struct SampleKey {
-    pixel: u32,
-    sample: u32,
-    seed: u32
-}
-const DIMENSION_PIXEL: u32 = 0u;
-const DIMENSION_FIRST_SURFACE: u32 = 1u;
-const DIMENSIONS_PER_SURFACE: u32 = 2u;
-const DIMENSION_OPACITY: u32 = 2147483648u;
 
-fn pcg4d(v: vec4u) -> vec4u {
-    var x: u32 = ((v.x * 1664525u) + 1013904223u);
-    var y: u32 = ((v.y * 1664525u) + 1013904223u);
-    var z: u32 = ((v.z * 1664525u) + 1013904223u);
-    var w: u32 = ((v.w * 1664525u) + 1013904223u);
-    x += (y * w);
-    y += (z * x);
-    z += (x * y);
-    w += (y * z);
-    x = (x ^ (x >> 16u));
-    y = (y ^ (y >> 16u));
-    z = (z ^ (z >> 16u));
-    w = (w ^ (w >> 16u));
-    x += (y * w);
-    y += (z * x);
-    z += (x * y);
-    w += (y * z);
-    return vec4u(x, y, z, w);
+fn choose_light_Buffers(scene: Buffers, point: vec3f, total: f32, u: f32) -> LightChoice {
+    let lights = Buffers_header(scene).lights;
+    var rest = (u * total);
+    var choice = LightChoice(NONE, 0.0);
+    for (var i = 0u; i < lights; i++) {
+        let importance = light_importance(Buffers_light(scene, i), point);
+        if ((rest >= 0.0) && (importance > 0.0)) {
+            choice = LightChoice(i, (importance / total));
+        }
+        rest -= importance;
+    }
+    return choice;
 }
 
-fn unit_float(bits: u32) -> f32 {
-    return (f32((bits >> 8u)) * 0.000000059604644775390625);
+fn total_importance_Buffers(scene: Buffers, point: vec3f) -> f32 {
+    let lights = Buffers_header(scene).lights;
+    var total: f32 = 0.0;
+    for (var i = 0u; i < lights; i++) {
+        total += light_importance(Buffers_light(scene, i), point);
+    }
+    return total;
 }
 
-fn random4(key: SampleKey, dimension: u32) -> vec4f {
-    let bits = pcg4d(vec4u(key.pixel, key.sample, dimension, key.seed));
-    return vec4f(unit_float(bits.x), unit_float(bits.y), unit_float(bits.z), unit_float(bits.w));
+fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> Ray {
+    let width = f32(settings.width);
+    let image_x = ((((2.0 * x) - width) / width) * header.view_scale_x);
+    let image_y = (((f32(settings.height) - (2.0 * y)) / width) * header.view_scale_y);
+    if (header.camera == CAMERA_PARALLEL) {
+        let start = vec3f(image_x, image_y, header.start_distance);
+        return Ray(transform_point(header.world_from_view, start), normalize(transform_vector(header.world_from_view, vec3f(0.0, 0.0, -1.0))));
+    }
+    let direction = vec3f(image_x, image_y, -1.0);
+    return Ray(transform_point(header.world_from_view, vec3f(0.0, 0.0, 0.0)), normalize(transform_vector(header.world_from_view, direction)));
 }
 
-fn pixel_position(key: SampleKey, grid: u32) -> vec2f {
-    let jitter = random4(key, DIMENSION_PIXEL);
-    let cells = (grid * grid);
-    let round = (key.sample / cells);
-    let start = pcg4d(vec4u(key.pixel, round, 3735928559u, key.seed)).x;
-    let cell = (((key.sample % cells) + (start % cells)) % cells);
-    let column = (cell % grid);
-    let row = (cell / grid);
-    return vec2f(((f32(column) + jitter.x) / f32(grid)), ((f32(row) + jitter.y) / f32(grid)));
-}
-struct Hit {
-    shape: ShapeHit,
-    object: u32
-}
-const MAX_BVH_DEPTH: u32 = 64u;
-const MAX_HITS_PER_OBJECT: u32 = 4u;
-
-fn inverse_direction(d: vec3f) -> vec3f {
-    return vec3f((1.0 / away_from_zero(d.x)), (1.0 / away_from_zero(d.y)), (1.0 / away_from_zero(d.z)));
-}
-
-fn box_entry(
-    origin: vec3f,
-    inverse: vec3f,
-    low: vec3f,
-    high: vec3f,
-    t_max: f32,
-) -> f32 {
-    let a = ((low - origin) * inverse);
-    let b = ((high - origin) * inverse);
-    let near = min(a, b);
-    let far = max(a, b);
-    let t_in = max(max(near.x, near.y), max(near.z, 0.0));
-    let t_out = min(min(far.x, far.y), min(far.z, t_max));
-    return select(NO_HIT, t_in, (t_in <= (t_out * 1.0000004)));
-}
-
-fn is_dark(color: vec3f) -> bool {
-    return (((color.x <= 0.0) && (color.y <= 0.0)) && (color.z <= 0.0));
-}
 struct PathSample {
     radiance: vec3f,
     rays: u32
@@ -887,90 +1196,8 @@ fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
 fn transmits(bsdf: Bsdf) -> bool {
     return (largest((bsdf.diffuse_transmission + bsdf.glossy_transmission)) > 0.0);
 }
-@group(0) @binding(0) var<uniform> HEADER: SceneHeader;
-@group(0) @binding(1) var<uniform> SETTINGS: LaunchSettings;
-@group(0) @binding(2) var<storage, read> NODES: array<BvhNode>;
-@group(0) @binding(3) var<storage, read> OBJECTS: array<ObjectRecord>;
-@group(0) @binding(4) var<storage, read> MATERIALS: array<MaterialRecord>;
-@group(0) @binding(5) var<storage, read> CHANNELS: array<ChannelRecord>;
-@group(0) @binding(6) var<storage, read> TEXELS: array<u32>;
-@group(0) @binding(7) var<storage, read> LIGHTS: array<LightRecord>;
-@group(0) @binding(8) var<storage, read_write> FILM: array<FilmPixel>;
 
-struct Buffers {
-    unused: u32
-}
-
-fn Buffers_header(_scene: Buffers) -> SceneHeader {
-    return HEADER;
-}
-
-fn Buffers_node(_scene: Buffers, index: u32) -> BvhNode {
-    return NODES[u32(index)];
-}
-
-fn Buffers_shape(_scene: Buffers, index: u32) -> ShapeRecord {
-    return OBJECTS[u32(index)].shape;
-}
-
-fn Buffers_surface(_scene: Buffers, index: u32) -> SurfaceRecord {
-    return OBJECTS[u32(index)].surface;
-}
-
-fn Buffers_material(_scene: Buffers, index: u32) -> MaterialRecord {
-    return MATERIALS[u32(index)];
-}
-
-fn Buffers_channel(_scene: Buffers, index: u32) -> ChannelRecord {
-    return CHANNELS[u32(index)];
-}
-
-fn Buffers_texel(_scene: Buffers, index: u32) -> u32 {
-    return TEXELS[u32(index)];
-}
-
-fn Buffers_light(_scene: Buffers, index: u32) -> LightRecord {
-    return LIGHTS[u32(index)];
-}
-
-@compute @workgroup_size(8, 8) fn render_tile(@builtin(global_invocation_id) id: vec3u) {
-    let settings = SETTINGS;
-    if ((id.x < settings.tile_width) && (id.y < settings.tile_height)) {
-        let index = ((id.y * settings.tile_width) + id.x);
-        let before = FILM[u32(index)];
-        let after = _1render_pixel_Buffers(Buffers(0u), settings, (settings.tile_x + id.x), (settings.tile_y + id.y), before);
-        FILM[u32(index)] = after;
-    }
-}
-fn _1escaped_radiance_Buffers(scene: Buffers, previous: PathVertex) -> vec3f {
-    let header = Buffers_header(scene);
-    if (header.sky == NONE) {
-        return vec3f(0.0, 0.0, 0.0);
-    }
-    let sky = Buffers_light(scene, header.sky);
-    let choice = (sky.importance / max(previous.importance, 1.0e-20));
-    return (sky.emission * found_light_weight(previous, (previous.sky_pdf * choice)));
-}
-fn _1lamp_radiance_Buffers(
-    scene: Buffers,
-    index: u32,
-    previous: PathVertex,
-    position: vec3f,
-    cos_light: f32,
-) -> vec3f {
-    let light = Buffers_light(scene, index);
-    let radiance = area_radiance(light, cos_light);
-    if (previous.pdf <= 0.0) {
-        return radiance;
-    }
-    if (light.shadowless != 0u) {
-        return vec3f(0.0, 0.0, 0.0);
-    }
-    let way = (position - previous.position);
-    let choice = (light_importance(light, previous.position) / max(previous.importance, 1.0e-20));
-    return (radiance * found_light_weight(previous, (area_pdf(light, dot(way, way), cos_light) * choice)));
-}
-fn _1direct_light_Buffers(
+fn direct_light_Buffers(
     scene: Buffers,
     point: SurfacePoint,
     bsdf: Bsdf,
@@ -1008,7 +1235,60 @@ fn _1direct_light_Buffers(
     }
     return result;
 }
-fn _1trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) -> PathSample {
+
+fn escaped_radiance_Buffers(scene: Buffers, previous: PathVertex) -> vec3f {
+    let header = Buffers_header(scene);
+    if (header.sky == NONE) {
+        return vec3f(0.0, 0.0, 0.0);
+    }
+    let sky = Buffers_light(scene, header.sky);
+    let choice = (sky.importance / max(previous.importance, 1.0e-20));
+    return (sky.emission * found_light_weight(previous, (previous.sky_pdf * choice)));
+}
+
+fn lamp_radiance_Buffers(
+    scene: Buffers,
+    index: u32,
+    previous: PathVertex,
+    position: vec3f,
+    cos_light: f32,
+) -> vec3f {
+    let light = Buffers_light(scene, index);
+    let radiance = area_radiance(light, cos_light);
+    if (previous.pdf <= 0.0) {
+        return radiance;
+    }
+    if (light.shadowless != 0u) {
+        return vec3f(0.0, 0.0, 0.0);
+    }
+    let way = (position - previous.position);
+    let choice = (light_importance(light, previous.position) / max(previous.importance, 1.0e-20));
+    return (radiance * found_light_weight(previous, (area_pdf(light, dot(way, way), cos_light) * choice)));
+}
+
+fn render_pixel_Buffers(
+    scene: Buffers,
+    settings: LaunchSettings,
+    x: u32,
+    y: u32,
+    before: FilmPixel,
+) -> FilmPixel {
+    let header = Buffers_header(scene);
+    var film = before;
+    for (var i = 0u; i < settings.samples; i++) {
+        let key = SampleKey(((y * settings.width) + x), (settings.first_sample + i), settings.seed);
+        let position = pixel_position(key, settings.grid);
+        let ray = camera_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y));
+        let path = trace_path_Buffers(scene, key, ray, settings.depth);
+        film.radiance += path.radiance;
+        film.squares += (path.radiance * path.radiance);
+        film.rays += path.rays;
+        film.samples += 1u;
+    }
+    return film;
+}
+
+fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) -> PathSample {
     var result = PathSample(vec3f(0.0, 0.0, 0.0), 0u);
     var throughput = vec3f(1.0, 1.0, 1.0);
     var ray = first;
@@ -1069,24 +1349,60 @@ fn _1trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) 
     }
     return result;
 }
-fn _1render_pixel_Buffers(
-    scene: Buffers,
-    settings: LaunchSettings,
-    x: u32,
-    y: u32,
-    before: FilmPixel,
-) -> FilmPixel {
-    let header = Buffers_header(scene);
-    var film = before;
-    for (var i = 0u; i < settings.samples; i++) {
-        let key = SampleKey(((y * settings.width) + x), (settings.first_sample + i), settings.seed);
-        let position = pixel_position(key, settings.grid);
-        let ray = camera_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y));
-        let path = trace_path_Buffers(scene, key, ray, settings.depth);
-        film.radiance += path.radiance;
-        film.squares += (path.radiance * path.radiance);
-        film.rays += path.rays;
-        film.samples += 1u;
-    }
-    return film;
+
+@group(0) @binding(0) var<uniform> HEADER: SceneHeader;
+@group(0) @binding(1) var<uniform> SETTINGS: LaunchSettings;
+@group(0) @binding(2) var<storage, read> NODES: array<BvhNode>;
+@group(0) @binding(3) var<storage, read> OBJECTS: array<ObjectRecord>;
+@group(0) @binding(4) var<storage, read> MATERIALS: array<MaterialRecord>;
+@group(0) @binding(5) var<storage, read> CHANNELS: array<ChannelRecord>;
+@group(0) @binding(6) var<storage, read> TEXELS: array<u32>;
+@group(0) @binding(7) var<storage, read> LIGHTS: array<LightRecord>;
+@group(0) @binding(8) var<storage, read_write> FILM: array<FilmPixel>;
+
+struct Buffers {
+    unused: u32
 }
+
+fn Buffers_header(_scene: Buffers) -> SceneHeader {
+    return HEADER;
+}
+
+fn Buffers_node(_scene: Buffers, index: u32) -> BvhNode {
+    return NODES[u32(index)];
+}
+
+fn Buffers_shape(_scene: Buffers, index: u32) -> ShapeRecord {
+    return OBJECTS[u32(index)].shape;
+}
+
+fn Buffers_surface(_scene: Buffers, index: u32) -> SurfaceRecord {
+    return OBJECTS[u32(index)].surface;
+}
+
+fn Buffers_material(_scene: Buffers, index: u32) -> MaterialRecord {
+    return MATERIALS[u32(index)];
+}
+
+fn Buffers_channel(_scene: Buffers, index: u32) -> ChannelRecord {
+    return CHANNELS[u32(index)];
+}
+
+fn Buffers_texel(_scene: Buffers, index: u32) -> u32 {
+    return TEXELS[u32(index)];
+}
+
+fn Buffers_light(_scene: Buffers, index: u32) -> LightRecord {
+    return LIGHTS[u32(index)];
+}
+
+@compute @workgroup_size(8, 8) fn render_tile(@builtin(global_invocation_id) id: vec3u) {
+    let settings = SETTINGS;
+    if ((id.x < settings.tile_width) && (id.y < settings.tile_height)) {
+        let index = ((id.y * settings.tile_width) + id.x);
+        let before = FILM[u32(index)];
+        let after = render_pixel_Buffers(Buffers(0u), settings, (settings.tile_x + id.x), (settings.tile_y + id.y), before);
+        FILM[u32(index)] = after;
+    }
+}
+

@@ -80,7 +80,7 @@ pub mod kernel {
 /// # Errors
 /// If the kernels use something that cannot be written in WGSL; the tests exclude it.
 pub(super) fn source() -> Result<String, String> {
-    kernel::WGSL_SOURCE.wgsl_source().map_err(|error| error.to_string())
+    super::assemble::assemble(&kernel::WGSL_SOURCE)
 }
 
 #[cfg(test)]
