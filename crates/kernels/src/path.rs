@@ -167,7 +167,7 @@ pub mod kernel {
             result.radiance += throughput * bsdf.emissive;
             if touched >= depth {
                 // Nothing is scattered any more, but clear surfaces are still passed.
-                throughput = throughput * bsdf.straight;
+                throughput *= bsdf.straight;
                 if is_dark(throughput) {
                     return result;
                 }

@@ -1,5 +1,7 @@
 //! CPU and GPU agree: function by function on random inputs, and in whole pictures.
 
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the failure report")]
+
 mod common;
 
 use common::*;

@@ -86,7 +86,9 @@ mod tests {
     #[test]
     fn every_called_function_is_defined_once() {
         let wgsl = super::assemble(&WGSL_SOURCE).unwrap();
-        for name in ["trace_path_Buffers", "closest_hit_Buffers", "transmittance_Buffers", "channel_value_Buffers"] {
+        for name in
+            ["trace_path_Buffers", "closest_hit_Buffers", "transmittance_Buffers", "channel_value_Buffers"]
+        {
             assert_eq!(wgsl.matches(&format!("fn {name}(")).count(), 1, "{name}");
         }
         // The whole must be valid WGSL, also on machines without any graphics card.

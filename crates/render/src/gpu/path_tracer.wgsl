@@ -1313,7 +1313,7 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
         let bsdf = material_bsdf_Buffers(scene, Buffers_material(scene, shape.material), point.uv);
         result.radiance += (throughput * bsdf.emissive);
         if (touched >= depth) {
-            throughput = (throughput * bsdf.straight);
+            throughput *= bsdf.straight;
             if is_dark(throughput) {
                 return result;
             }

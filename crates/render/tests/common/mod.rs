@@ -1,5 +1,6 @@
 //! Small scenes and devices for the tests of the renderer.
 #![allow(dead_code, reason = "each test file uses a part")]
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the failure report")]
 
 use render::gpu::Gpu;
 use render::{
