@@ -1,7 +1,7 @@
 //! Choosing a device.
 
 use crate::cpu::Cpu;
-use crate::gpu::{Gpu, list_gpus};
+use crate::gpu::{Gpu, GpuInfo, list_gpus};
 use crate::{Device, DeviceError};
 use std::str::FromStr;
 use std::sync::Arc;
@@ -34,6 +34,13 @@ impl FromStr for DeviceChoice {
     }
 }
 
+/// Number of the graphics card that [`DeviceChoice::Auto`] takes: a real one, never a rasteriser in software, which
+/// would only run the kernels on the CPU with a detour.
+pub fn automatic_gpu(gpus: &[GpuInfo]) -> Option<usize> {
+    // They are listed with the fastest kind first.
+    gpus.iter().find(|gpu| !gpu.is_software).map(|gpu| gpu.index)
+}
+
 /// Opens a device; `threads` limits the CPU device.
 ///
 /// # Errors
@@ -42,20 +49,31 @@ pub fn open_device(choice: DeviceChoice, threads: Option<usize>) -> Result<Box<d
     match choice {
         DeviceChoice::Cpu => Ok(Box::new(Cpu::new(threads)?)),
         DeviceChoice::Gpu(number) => Ok(Box::new(Arc::new(Gpu::open(number.unwrap_or(0))?))),
-        DeviceChoice::Auto => {
-            // A rasteriser in software would only run the kernels on the CPU with a detour.
-            let hardware = list_gpus().into_iter().find(|gpu| !gpu.is_software);
-            match hardware.map(|gpu| Gpu::open(gpu.index)) {
-                Some(Ok(gpu)) => Ok(Box::new(Arc::new(gpu))),
-                Some(Err(_)) | None => Ok(Box::new(Cpu::new(threads)?)),
-            }
-        }
+        DeviceChoice::Auto => match automatic_gpu(&list_gpus()).map(Gpu::open) {
+            Some(Ok(gpu)) => Ok(Box::new(Arc::new(gpu))),
+            Some(Err(_)) | None => Ok(Box::new(Cpu::new(threads)?)),
+        },
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn auto_takes_the_first_card_that_is_none_in_software() {
+        let gpu = |index: usize, is_software: bool| GpuInfo {
+            index,
+            name: format!("card {index}"),
+            backend: "Vulkan".to_owned(),
+            driver: String::new(),
+            kind: if is_software { "software" } else { "discrete" }.to_owned(),
+            is_software,
+        };
+        assert_eq!(automatic_gpu(&[]), None);
+        assert_eq!(automatic_gpu(&[gpu(0, true)]), None);
+        assert_eq!(automatic_gpu(&[gpu(0, false), gpu(1, false), gpu(2, true)]), Some(0));
+    }
 
     #[test]
     fn device_names_are_understood() {

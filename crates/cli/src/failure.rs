@@ -1,0 +1,100 @@
+//! Everything that can go wrong, with the exit code it has.
+
+use groimp::ReadError;
+use render::{CompileError, DeviceError, PictureError};
+use std::error::Error;
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Why a command did not do what it should.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The command line contradicts itself in a way that only looking at all of it shows.
+    #[error("{0}")]
+    Usage(String),
+    /// The scene file is missing or broken.
+    #[error("the scene {} cannot be read", path.display())]
+    Read {
+        /// The scene file.
+        path: PathBuf,
+        /// What the reader says.
+        source: ReadError,
+    },
+    /// The scene was read but cannot be rendered.
+    #[error("the scene cannot be rendered")]
+    Compile(#[from] CompileError),
+    /// The device is missing or gave up.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// A file would not be writable; found before rendering.
+    #[error("{} cannot be written", path.display())]
+    NotWritable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The picture could not be written.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// Statistics could not be written.
+    #[error("the statistics cannot be written to {}", path.display())]
+    Statistics {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Standard output does not take any more.
+    #[error("the answer cannot be printed")]
+    Print(#[from] io::Error),
+}
+
+impl Failure {
+    /// 2 for a wrong command line, 1 for everything else.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Failure::Usage(_) => ExitCode::from(2),
+            _ => ExitCode::from(1),
+        }
+    }
+
+    /// The message and its causes, one per line.
+    pub fn explanation(&self) -> String {
+        let mut text = format!("error: {self}\n");
+        let mut told = self.to_string();
+        let mut cause = self.source();
+        while let Some(error) = cause {
+            let message = error.to_string();
+            // Some errors quote their cause; saying it twice helps nobody.
+            if !told.contains(&message) {
+                text.push_str(&format!("  because: {message}\n"));
+            }
+            told = message;
+            cause = error.source();
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, thiserror::Error)]
+    #[error("cannot open x: {source}")]
+    struct Quoting {
+        source: io::Error,
+    }
+
+    #[test]
+    fn causes_are_listed_once() {
+        let quoting = Quoting { source: io::Error::other("disk on fire") };
+        let failure = Failure::NotWritable { path: "a.png".into(), source: io::Error::other(quoting) };
+        assert_eq!(
+            failure.explanation(),
+            "error: a.png cannot be written\n  because: cannot open x: disk on fire\n"
+        );
+    }
+}

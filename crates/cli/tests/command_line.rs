@@ -1,0 +1,204 @@
+//! The program as its users call it.
+
+// In tests a panic is the failure report; the exception for tests does not reach helper functions.
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// Runs the program in `directory`.
+fn sunshine(directory: &Path, words: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sunshine")).args(words).current_dir(directory).output().unwrap()
+}
+
+fn empty_directory() -> tempfile::TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn cornell_box() -> PathBuf {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    scenes.join("cornell-box").canonicalize().unwrap()
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap()
+}
+
+/// Asserts the exit code, that all `parts` are in the error message, and that nothing was left behind.
+fn assert_fails(words: &[&str], code: i32, parts: &[&str]) {
+    let directory = empty_directory();
+    let output = sunshine(directory.path(), words);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{words:?}: {message}");
+    assert!(message.starts_with("error: "), "{words:?}: {message}");
+    for part in parts {
+        assert!(message.contains(part), "{words:?}: no {part:?} in {message}");
+    }
+    assert!(output.stdout.is_empty(), "{words:?}: {}", text(&output.stdout));
+    let left: Vec<_> = std::fs::read_dir(directory.path()).unwrap().collect();
+    assert!(left.is_empty(), "{words:?}: {left:?}");
+}
+
+#[test]
+fn wrong_usage_exits_with_2_and_says_what_is_accepted() {
+    let render = |option: &'static str, value: &'static str, part: &'static str| {
+        assert_fails(&["render", "plant.gsz", option, value], 2, &[option, part]);
+    };
+    render("--size", "640", "1920x1080");
+    render("--size", "0x480", "1 to 65536");
+    render("--size", "640x65537", "1 to 65536");
+    render("--samples", "0", "at least 1");
+    render("--depth", "0", "1 to 1000");
+    render("--grid", "65", "1 to 64");
+    render("--threads", "0", "1 to 4096");
+    render("--exposure", "bright", "number of stops");
+    render("--device", "tpu", "gpu:N");
+    assert_fails(&["render"], 2, &["<SCENE>", "--help"]);
+    assert_fails(&["rendr"], 2, &["render"]);
+    assert_fails(&["info", "plant.gsz", "--jsn"], 2, &["--json"]);
+}
+
+#[test]
+fn without_a_command_the_help_is_shown() {
+    let output = sunshine(empty_directory().path(), &[]);
+    assert_eq!(output.status.code(), Some(2));
+    let message = text(&output.stderr);
+    for command in ["render", "info", "devices"] {
+        assert!(message.contains(command), "{message}");
+    }
+}
+
+#[test]
+fn help_and_version_are_no_errors() {
+    let directory = empty_directory();
+    for words in [&["--help"][..], &["render", "--help"], &["--version"]] {
+        let output = sunshine(directory.path(), words);
+        assert_eq!(output.status.code(), Some(0), "{words:?}");
+        assert!(!output.stdout.is_empty() && output.stderr.is_empty(), "{words:?}");
+    }
+}
+
+#[test]
+fn a_wrong_extension_is_refused_before_the_scene_is_even_looked_for() {
+    assert_fails(&["render", "missing.gsz", "-o", "picture.jpg"], 2, &["picture.jpg", ".png", ".exr"]);
+    assert_fails(&["render", "missing.gsz", "-o", "picture"], 2, &[".png", ".exr"]);
+}
+
+#[test]
+fn one_name_for_two_outputs_is_wrong_usage() {
+    assert_fails(&["render", "missing.gsz", "-o", "a.png", "--stats", "a.png"], 2, &["a.png", "different"]);
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_refused_before_the_scene_is_looked_for() {
+    let lost = Path::new("no-such-folder").join("picture.png");
+    let lost = lost.to_str().unwrap();
+    assert_fails(&["render", "missing.gsz", "-o", lost], 1, &[lost, "because: "]);
+    assert_fails(&["render", "missing.gsz", "--stats", "no-such-folder/s.json"], 1, &["s.json", "because: "]);
+}
+
+#[test]
+fn a_missing_scene_exits_with_1_and_names_the_file() {
+    assert_fails(&["render", "missing.gsz", "--stats", "s.json"], 1, &["missing.gsz", "because: "]);
+    assert_fails(&["info", "missing.gsz"], 1, &["missing.gsz", "because: "]);
+}
+
+#[test]
+fn a_scene_that_is_none_exits_with_1() {
+    let directory = empty_directory();
+    let path = directory.path().join("plant.gsz");
+    std::fs::write(&path, "this is not an archive").unwrap();
+    assert_fails(&["render", path.to_str().unwrap()], 1, &["plant.gsz"]);
+}
+
+#[test]
+fn devices_always_name_the_cpu_and_one_automatic_choice() {
+    let output = sunshine(empty_directory().path(), &["devices"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let listing = text(&output.stdout);
+    assert!(listing.starts_with("cpu ") && listing.contains("thread"), "{listing}");
+    assert_eq!(listing.matches("<- auto").count(), 1, "{listing}");
+}
+
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_sunshine"))
+        .arg("devices")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Nobody reads what the program prints.
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+}
+
+#[test]
+fn info_describes_the_cornell_box() {
+    let scene = cornell_box();
+    let directory = empty_directory();
+    let output = sunshine(directory.path(), &["info", scene.to_str().unwrap(), "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let info: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let shapes: u64 = info["shapes"].as_object().unwrap().values().filter_map(|count| count.as_u64()).sum();
+    assert!(shapes > 0 && info["objects"] == shapes, "{info}");
+    assert!(info["lights"].as_u64() >= Some(1), "{info}");
+    assert!(info["bounds"]["min"][0].as_f64() < info["bounds"]["max"][0].as_f64(), "{info}");
+    assert!(info["camera"]["projection"].is_string(), "{info}");
+    assert!(info["skipped"].is_array() && info["warnings"].is_array(), "{info}");
+
+    let table = sunshine(directory.path(), &["info", scene.to_str().unwrap()]);
+    assert!(text(&table.stdout).starts_with("objects "));
+}
+
+const SMALL: [&str; 8] = ["--size", "24x16", "--samples", "4", "--device", "cpu", "--threads", "2"];
+
+#[test]
+fn the_cornell_box_becomes_a_png_named_after_it_with_statistics() {
+    let scene = cornell_box();
+    let directory = empty_directory();
+    let mut words = vec!["render", scene.to_str().unwrap(), "--stats", "stats.json"];
+    words.extend(SMALL);
+    let output = sunshine(directory.path(), &words);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let summary = text(&output.stdout);
+    for part in ["(chosen automatically; --exposure fixes it)", "samples/s", "wrote cornell-box.png"] {
+        assert!(summary.contains(part), "{summary}");
+    }
+    assert!(text(&output.stderr).contains("rendered 100 %"), "{}", text(&output.stderr));
+
+    let png = std::fs::read(directory.path().join("cornell-box.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
+    // Width and height stand at the same place in every PNG.
+    assert_eq!(png[16..24], [0, 0, 0, 24, 0, 0, 0, 16]);
+
+    let stats = std::fs::read(directory.path().join("stats.json")).unwrap();
+    let stats: serde_json::Value = serde_json::from_slice(&stats).unwrap();
+    assert_eq!((&stats["width"], &stats["height"]), (&24.into(), &16.into()));
+    assert_eq!(stats["samples"], 24 * 16 * 4);
+    assert!(stats["rays"].as_u64() >= stats["samples"].as_u64(), "{stats}");
+    assert!(stats["objects"].as_u64() > Some(0), "{stats}");
+    assert!(stats["device"].as_str().unwrap().contains("CPU"), "{stats}");
+    for step in ["read", "compile", "upload", "render", "write"] {
+        assert!(stats["seconds"][step].as_f64() >= Some(0.0), "{stats}");
+    }
+}
+
+#[test]
+fn quiet_says_nothing_and_exr_does_not_depend_on_exposure() {
+    let scene = cornell_box();
+    let directory = empty_directory();
+    for (name, exposure) in [("a.exr", "0"), ("b.EXR", "3")] {
+        let mut words =
+            vec!["render", scene.to_str().unwrap(), "-o", name, "--exposure", exposure, "--quiet"];
+        words.extend(SMALL);
+        let output = sunshine(directory.path(), &words);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        assert!(output.stdout.is_empty() && output.stderr.is_empty(), "{}", text(&output.stderr));
+    }
+    let bytes = |name: &str| std::fs::read(directory.path().join(name)).unwrap();
+    assert!(bytes("a.exr").starts_with(&[0x76, 0x2f, 0x31, 0x01]));
+    assert_eq!(bytes("a.exr"), bytes("b.EXR"));
+}

@@ -1,0 +1,109 @@
+//! Files that are complete or not there at all.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+use tempfile::NamedTempFile;
+
+/// Writes a file under a temporary name in the same directory and renames it when it is complete. After a
+/// failure nothing new is there, and an older file of that name is as it was.
+///
+/// # Errors
+/// What `fill` returns, or what the file system says.
+pub fn write_whole_file(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let temporary = temporary_beside(path)?;
+    let mut writer = BufWriter::new(temporary.as_file());
+    fill(&mut writer)?;
+    writer.flush()?;
+    drop(writer);
+    // Otherwise a power failure could leave the new name with the old nothing in it.
+    temporary.as_file().sync_all()?;
+    temporary.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// Whether [`write_whole_file`] has a chance, to be asked before hours of work: the directory must be there and
+/// take new files, and `path` must not be a directory itself.
+///
+/// # Errors
+/// What is in the way.
+pub fn check_writable(path: &Path) -> io::Result<()> {
+    temporary_beside(path).map(drop)
+}
+
+fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
+    if path.file_name().is_none() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not the name of a file"));
+    }
+    if path.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "there is a directory of that name"));
+    }
+    // The directory of a bare file name is the empty path.
+    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".sunshine-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Temporary files are private as a rule; this one becomes an ordinary file.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(directory)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(directory: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(directory).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_failure_half_way_leaves_the_old_file() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("data");
+        write_whole_file(&path, |file| file.write_all(b"old")).unwrap();
+        let result = write_whole_file(&path, |file| {
+            file.write_all(b"half of the ne")?;
+            file.flush()?;
+            Err(io::Error::other("disk full"))
+        });
+        assert_eq!(result.unwrap_err().to_string(), "disk full");
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(directory.path()), ["data"]);
+    }
+
+    #[test]
+    fn checking_leaves_no_trace() {
+        let directory = tempfile::tempdir().unwrap();
+        check_writable(&directory.path().join("data")).unwrap();
+        assert!(names(directory.path()).is_empty());
+    }
+
+    #[test]
+    fn what_cannot_become_a_file_is_refused_at_once() {
+        let directory = tempfile::tempdir().unwrap();
+        assert_eq!(check_writable(directory.path()).unwrap_err().kind(), io::ErrorKind::IsADirectory);
+        let missing = directory.path().join("missing").join("data");
+        assert_eq!(check_writable(&missing).unwrap_err().kind(), io::ErrorKind::NotFound);
+        assert!(check_writable(Path::new("..")).is_err());
+        assert!(check_writable(Path::new("")).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn others_may_read_the_file_as_the_umask_allows() {
+        use std::os::unix::fs::PermissionsExt;
+        let directory = tempfile::tempdir().unwrap();
+        let (ours, plain) = (directory.path().join("ours"), directory.path().join("plain"));
+        write_whole_file(&ours, |file| file.write_all(b"x")).unwrap();
+        std::fs::write(&plain, b"x").unwrap();
+        let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&ours), mode(&plain));
+    }
+}
