@@ -1,8 +1,8 @@
 //! What can be said on the command line.
 
-use crate::engine::{DeviceChoice, PictureFormat, RenderSettings, parse_device_choice};
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
+use render::{DeviceChoice, PictureFormat, RenderSettings};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -60,7 +60,7 @@ pub struct RenderArguments {
 
     /// What computes: auto (a graphics card if there is one, else the processor), cpu, gpu, or gpu:N for the
     /// card that `sunshine devices` lists under that number
-    #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = parse_device_choice)]
+    #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = str::parse::<DeviceChoice>)]
     pub device: DeviceChoice,
 
     /// Start of the random numbers: the same number repeats a picture exactly, another gives independent noise

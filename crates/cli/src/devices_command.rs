@@ -1,6 +1,6 @@
 //! `sunshine devices`: what can render here.
 
-use crate::engine::{GpuInfo, automatic_gpu, list_gpus};
+use render::{GpuInfo, automatic_gpu, list_gpus};
 use std::fmt::Write;
 
 /// Looks for devices and describes them.

@@ -1,6 +1,7 @@
 //! Everything that can go wrong, with the exit code it has.
 
-use crate::engine::{CompileError, DeviceError, PictureError, ReadError};
+use groimp::ReadError;
+use render::{CompileError, DeviceError, PictureError};
 use std::error::Error;
 use std::io;
 use std::path::PathBuf;

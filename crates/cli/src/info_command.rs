@@ -1,8 +1,8 @@
 //! `sunshine info`: what a scene holds.
 
 use crate::arguments::InfoArguments;
-use crate::engine::{self, Report};
 use crate::failure::Failure;
+use groimp::Report;
 use scene::{Camera, DVec3, Projection, Scene};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use std::io;
 
 /// Reads the scene and describes it.
 pub fn run(arguments: &InfoArguments) -> Result<String, Failure> {
-    let project = engine::read(&arguments.scene)
+    let project = groimp::read(&arguments.scene)
         .map_err(|source| Failure::Read { path: arguments.scene.clone(), source })?;
     let info = Info::new(&project.scene, &project.report);
     if arguments.json {

@@ -2,7 +2,6 @@
 
 mod arguments;
 mod devices_command;
-mod engine;
 mod failure;
 mod info_command;
 mod progress;

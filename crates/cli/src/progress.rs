@@ -1,6 +1,6 @@
 //! What is told on standard error while the work goes on.
 
-use crate::engine::Report;
+use groimp::Report;
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use std::fmt;
 use std::io::{self, IsTerminal, Write};

@@ -1,10 +1,10 @@
 //! `sunshine render`: from a scene file to a picture file.
 
 use crate::arguments::RenderArguments;
-use crate::engine::{self, Film, PictureFormat};
 use crate::failure::Failure;
 use crate::progress::Messages;
 use crate::statistics::{Seconds, Statistics, count_text, duration_text, timed};
+use render::{Film, PictureFormat};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -20,11 +20,11 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     let mut seconds = Seconds::default();
     let threads = arguments.threads.map(|threads| threads as usize);
     // A device that is not there is told before a large scene is read.
-    let device = timed(&mut seconds.open, || engine::open_device(arguments.device, threads))?;
-    let project = timed(&mut seconds.read, || engine::read(&arguments.scene))
+    let device = timed(&mut seconds.open, || render::open_device(arguments.device, threads))?;
+    let project = timed(&mut seconds.read, || groimp::read(&arguments.scene))
         .map_err(|source| Failure::Read { path: arguments.scene.clone(), source })?;
     messages.report(&project.report);
-    let scene = Arc::new(timed(&mut seconds.compile, || engine::compile(&project.scene))?);
+    let scene = Arc::new(timed(&mut seconds.compile, || render::compile(&project.scene))?);
     let loaded = timed(&mut seconds.upload, || device.load(Arc::clone(&scene)))?;
 
     let progress = messages.follow(settings.total_samples());
@@ -32,12 +32,12 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     progress.finish();
 
     let exposure = Exposure::choose(format, arguments.exposure, &film);
-    timed(&mut seconds.write, || engine::write_picture(&film, &output, exposure.stops()))?;
+    timed(&mut seconds.write, || render::write_picture(&film, &output, exposure.stops()))?;
 
     let mut statistics = Statistics::new(&settings, &film);
     statistics.device = device.name();
     statistics.objects = project.scene.objects.len();
-    statistics.triangles = engine::triangles(&scene);
+    statistics.triangles = scene.triangles();
     statistics.exposure = format.is_exposed().then_some(exposure.stops());
     statistics.seconds = seconds;
     if let Some(path) = &arguments.stats {
@@ -60,7 +60,7 @@ impl Exposure {
         match given {
             _ if !format.is_exposed() => Exposure::Unscaled,
             Some(stops) => Exposure::Given(stops),
-            None => Exposure::Automatic(engine::automatic_exposure(film)),
+            None => Exposure::Automatic(render::automatic_exposure(film)),
         }
     }
 
@@ -107,7 +107,7 @@ fn check_outputs(picture: &Path, statistics: Option<&Path>) -> Result<(), Failur
         )));
     }
     for path in [Some(picture), statistics].into_iter().flatten() {
-        engine::check_writable(path)
+        render::check_writable(path)
             .map_err(|source| Failure::NotWritable { path: path.to_owned(), source })?;
     }
     Ok(())

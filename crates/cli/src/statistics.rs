@@ -1,7 +1,7 @@
 //! What a rendering took, for other programs to read.
 
-use crate::engine::{Film, RenderSettings, write_whole_file};
 use crate::failure::Failure;
+use render::{Film, RenderSettings};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::Path;
@@ -65,7 +65,7 @@ impl Statistics {
 
     /// Writes the file, whole or not at all.
     pub fn write(&self, path: &Path) -> Result<(), Failure> {
-        write_whole_file(path, |file| {
+        render::write_whole_file(path, |file| {
             serde_json::to_writer_pretty(&mut *file, self).map_err(io::Error::from)?;
             file.write_all(b"\n")
         })

@@ -136,7 +136,10 @@ fn a_closed_pipe_is_no_failure() {
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+    // Not "is empty": graphics drivers may have something to say.
+    for word in ["panicked", "because"] {
+        assert!(!text(&output.stderr).contains(word), "{}", text(&output.stderr));
+    }
 }
 
 #[test]

@@ -1,1 +1,126 @@
+//! Reads GroIMP projects without GroIMP: archive, registry, graph, module declarations, turtle, shapes, shaders,
+//! lights and the saved view become a [`Scene`](scene::Scene); what could not be taken over is in a [`Report`].
+//!
+//! Reading is lenient: unknown fields, types and attributes are passed over, unknown node types counted. Only
+//! files that cannot be understood at all, and fields that hold something else than their class demands, are
+//! errors, with file and line. No recursion depends on the input, so chains of any depth can be read.
 
+mod archive;
+mod build;
+mod channels;
+mod classes;
+mod error;
+mod fields;
+mod graph;
+mod images;
+mod inline;
+mod lights;
+pub mod modules;
+mod output;
+mod registry;
+mod report;
+mod shaders;
+mod shapes;
+mod transform;
+mod turtle_state;
+mod types;
+mod values;
+mod view;
+mod xml;
+
+pub use archive::Limits;
+#[doc(hidden)]
+pub use build::DrawnFrames;
+pub use error::ReadError;
+pub use report::{Location, Report, Skipped, Warning};
+
+use archive::Archive;
+use build::Builder;
+use graph::Graph;
+use images::Images;
+use modules::{SourceFile, Sources};
+use output::Output;
+use registry::Registry;
+use shaders::Shaders;
+use std::path::Path;
+use types::Types;
+use view::View;
+
+/// A project that was read.
+#[derive(Clone, Debug)]
+pub struct Project {
+    /// What GroIMP would make a picture of.
+    pub scene: scene::Scene,
+    /// What is missing in the scene or odd in the project.
+    pub report: Report,
+}
+
+/// Reads a `.gsz` archive, a `project.gs` file, a project directory or a bare graph (`.xml`, without named
+/// shaders, images, modules and the saved view), within the default [`Limits`].
+///
+/// Fails if the file cannot be opened, is none of these, is damaged or holds no main graph, or if a field that
+/// is needed holds something else than its class demands.
+pub fn read(path: &Path) -> Result<Project, ReadError> {
+    read_within(path, Limits::default())
+}
+
+/// As [`read`], within the given limits.
+pub fn read_within(path: &Path, limits: Limits) -> Result<Project, ReadError> {
+    let (project, _) = read_all(path, limits)?;
+    Ok(project)
+}
+
+/// The frames of all nodes with a shape of the project's tree, hidden ones too, to compare with known figures.
+#[doc(hidden)]
+pub fn drawn_frames(path: &Path) -> Result<Vec<DrawnFrames>, ReadError> {
+    let (_, frames) = read_all(path, Limits::default())?;
+    Ok(frames)
+}
+
+fn read_all(path: &Path, limits: Limits) -> Result<(Project, Vec<DrawnFrames>), ReadError> {
+    let mut archive = Archive::open(path, limits)?;
+    let mut report = Report::default();
+    let registry = match archive.registry.clone() {
+        Some(file) => Registry::parse(&file, &archive.require(&file)?)?,
+        None => Registry { graph: archive.graph.clone().unwrap_or_default(), ..Registry::default() },
+    };
+    let graph = Graph::parse(&registry.graph, &archive.require(&registry.graph)?, &mut report)?;
+    let sources = read_sources(&mut archive, &registry, &mut report)?;
+    let view = read_view(&archive, &registry, &mut report);
+    let types = Types::new(&graph, &sources);
+    let shaders = Shaders::new(&graph, &registry, Images::new(archive));
+    let mut builder = Builder::new(&graph, &view, &types, shaders, Output::with_report(report));
+    builder.build()?;
+    let Builder { out: Output { scene, report, .. }, frames, .. } = builder;
+    Ok((Project { scene, report }, frames))
+}
+
+fn read_sources(
+    archive: &mut Archive,
+    registry: &Registry,
+    report: &mut Report,
+) -> Result<Sources, ReadError> {
+    let mut files = Vec::new();
+    for path in &registry.sources {
+        match archive.read_source(path)? {
+            Some(text) => files.push(SourceFile { path: path.clone(), text }),
+            None => report.warn(format!("the source '{path}' is not in the project"), None),
+        }
+    }
+    let sources = Sources::parse(&files);
+    for problem in sources.problems() {
+        let location = Location { file: problem.file.clone(), line: problem.line };
+        report.warn(problem.message.clone(), Some(location));
+    }
+    Ok(sources)
+}
+
+fn read_view(archive: &Archive, registry: &Registry, report: &mut Report) -> View {
+    let Some((text, line)) = &registry.view else { return View::default() };
+    let (view, problems) = View::parse(text, *line);
+    let file = archive.registry.clone().unwrap_or_default();
+    for problem in problems {
+        report.warn(problem, Some(Location { file: file.clone(), line: *line }));
+    }
+    view
+}

@@ -166,7 +166,13 @@ pub mod kernel {
             // Unverified for GroIMP's path tracer: emissive surfaces shine by themselves.
             result.radiance += throughput * bsdf.emissive;
             if touched >= depth {
-                return result;
+                // Nothing is scattered any more, but clear surfaces are still passed.
+                throughput *= bsdf.straight;
+                if is_dark(throughput) {
+                    return result;
+                }
+                ray = Ray { origin: offset_origin(point, ray.direction), direction: ray.direction };
+                continue;
             }
 
             // Light that arrives directly and is scattered here.

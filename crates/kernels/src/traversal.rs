@@ -68,7 +68,7 @@ pub mod kernel {
     ) -> Hit {
         let shape = S::shape(scene, index);
         let mut t_min: f32 = 0.0;
-        for _attempt in 0..4u32 {
+        for attempt in 0..4u32 {
             let hit = intersect_shape(shape, ray, t_min, best.shape.t);
             if hit.t >= NO_HIT {
                 return best;
@@ -82,12 +82,12 @@ pub mod kernel {
                 return Hit { shape: hit, object: index };
             }
             if opacity > 0.0 {
-                // Front and back of one object are told apart by the bits of the distance.
+                // Front and back of one object are told apart by the number of the attempt.
                 let bits = pcg4d(vec4u(
                     key.pixel,
-                    key.sample ^ bitcast_u32(hit.t),
-                    DIMENSION_OPACITY + index,
-                    key.seed ^ (segment * 2654435769u32),
+                    key.sample,
+                    DIMENSION_OPACITY + S::surface(scene, index).source,
+                    key.seed ^ ((segment * 4u32 + attempt) * 2654435769u32),
                 ));
                 if unit_float(bits.x) < opacity {
                     return Hit { shape: hit, object: index };

@@ -1,6 +1,7 @@
 //! What every device can do.
 
 use crate::{CompiledScene, Film};
+use kernels::records::kernel::LaunchSettings;
 use std::sync::Arc;
 
 /// What to compute.
@@ -30,6 +31,24 @@ impl RenderSettings {
     /// Work to be done, in samples.
     pub fn total_samples(&self) -> u64 {
         u64::from(self.width) * u64::from(self.height) * u64::from(self.samples)
+    }
+
+    /// The settings as the kernels take them, for the whole picture and all samples at once.
+    pub(crate) fn launch(&self) -> LaunchSettings {
+        LaunchSettings {
+            width: self.width,
+            height: self.height,
+            tile_x: 0,
+            tile_y: 0,
+            tile_width: self.width,
+            tile_height: self.height,
+            first_sample: 0,
+            samples: self.samples,
+            seed: self.seed,
+            grid: self.grid.max(1),
+            depth: self.depth,
+            reserved: 0,
+        }
     }
 }
 

@@ -4,12 +4,17 @@
 //! hierarchy; a [`Device`] renders the [`CompiledScene`] into a [`Film`]. The two devices, [`cpu`] and [`gpu`],
 //! run the same kernels.
 
+mod compile;
+pub mod cpu;
 mod device;
 mod film;
+pub mod gpu;
+mod open;
 mod picture;
 
+pub use compile::{Acceleration, CompileError, CompiledScene, compile, compile_with};
 pub use device::{ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
 pub use film::{Film, automatic_exposure};
+pub use gpu::{GpuInfo, list_gpus};
+pub use open::{DeviceChoice, automatic_gpu, open_device};
 pub use picture::{PictureError, PictureFormat, check_writable, write_picture, write_whole_file};
-/// A scene in the form that devices take.
-pub struct CompiledScene;

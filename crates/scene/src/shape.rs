@@ -118,26 +118,27 @@ impl Shape {
     }
 }
 
-/// Triangles with optional normals and texture coordinates per vertex.
+/// Flat triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     /// Vertices in object space.
     pub positions: Arc<[[f32; 3]]>,
-    /// One normal per vertex, or empty: then the triangles are flat.
-    pub normals: Arc<[[f32; 3]]>,
-    /// One (u, v) per vertex, or empty: then (0, 0).
-    pub uvs: Arc<[[f32; 2]]>,
-    /// Three vertex indices per triangle, each below `positions.len()`.
+    /// Three vertex indices per triangle, each below `positions.len()`; counter-clockwise seen from the front.
     pub triangles: Arc<[[u32; 3]]>,
 }
 
 impl Mesh {
     /// The axis-parallel box of the transformed vertices as (minimum, maximum); `None` if there are none.
     pub fn bounds(&self, world_from_object: &DAffine3) -> Option<(DVec3, DVec3)> {
-        self.positions
-            .iter()
-            .map(|p| world_from_object.transform_point3(DVec3::new(p[0].into(), p[1].into(), p[2].into())))
+        (0..self.positions.len())
+            .map(|index| world_from_object.transform_point3(self.position(index)))
             .map(|p| (p, p))
             .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    /// A vertex in object space.
+    pub fn position(&self, index: usize) -> DVec3 {
+        let [x, y, z] = self.positions[index];
+        DVec3::new(x.into(), y.into(), z.into())
     }
 }

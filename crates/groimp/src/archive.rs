@@ -1,0 +1,210 @@
+//! The files of a project: entries of a zip archive or files below a directory.
+
+use crate::ReadError;
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Component, Path, PathBuf};
+
+/// How much a project may unpack to, so that a few kilobytes of input cannot fill the memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Bytes of one file.
+    pub entry_bytes: u64,
+    /// Bytes of all files that are read.
+    pub total_bytes: u64,
+    /// Pixels of one image; a larger one is replaced by grey, with a warning.
+    pub image_pixels: u64,
+}
+
+impl Default for Limits {
+    /// 512 MiB per file, 2 GiB in total, 64 Mi pixels per image.
+    fn default() -> Self {
+        Limits { entry_bytes: 512 << 20, total_bytes: 2 << 30, image_pixels: 64 << 20 }
+    }
+}
+
+enum Storage {
+    Zip(Box<zip::ZipArchive<File>>),
+    Directory(PathBuf),
+}
+
+/// An opened project.
+pub(crate) struct Archive {
+    path: PathBuf,
+    storage: Storage,
+    limits: Limits,
+    read_bytes: u64,
+    charsets: HashMap<String, String>,
+    /// The registry file; `None` for a bare graph.
+    pub registry: Option<String>,
+    /// The graph file of a bare graph.
+    pub graph: Option<String>,
+}
+
+impl Archive {
+    /// Opens a `.gsz`, a `project.gs`, a project directory or a graph file.
+    pub fn open(path: &Path, limits: Limits) -> Result<Self, ReadError> {
+        let io_error = |source| ReadError::Io { path: path.to_owned(), source };
+        let is_directory = std::fs::metadata(path).map_err(io_error)?.is_dir();
+        let extension = path.extension().map(|e| e.to_ascii_lowercase());
+        let extension = extension.as_deref().and_then(|e| e.to_str());
+        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let parent = path.parent().map(Path::to_owned).unwrap_or_default();
+        let (storage, registry, graph) = if is_directory {
+            (Storage::Directory(path.to_owned()), Some("project.gs".to_owned()), None)
+        } else if extension == Some("gs") {
+            (Storage::Directory(parent), Some(name), None)
+        } else if extension == Some("xml") {
+            (Storage::Directory(parent), None, Some(name))
+        } else {
+            let archive = zip::ZipArchive::new(File::open(path).map_err(io_error)?).map_err(|error| {
+                ReadError::NotAnArchive { path: path.to_owned(), reason: error.to_string() }
+            })?;
+            (Storage::Zip(Box::new(archive)), Some("project.gs".to_owned()), None)
+        };
+        let path = path.to_owned();
+        let mut archive =
+            Archive { path, storage, limits, read_bytes: 0, charsets: HashMap::new(), registry, graph };
+        if archive.registry.is_some()
+            && let Some(manifest) = archive.read("META-INF/MANIFEST.MF")?
+        {
+            archive.charsets = manifest_charsets(&String::from_utf8_lossy(&manifest));
+        }
+        Ok(archive)
+    }
+
+    /// Limits given on opening.
+    pub fn limits(&self) -> Limits {
+        self.limits
+    }
+
+    /// Contents of an entry, `None` if there is no such entry (or it lies outside the project).
+    pub fn read(&mut self, entry: &str) -> Result<Option<Vec<u8>>, ReadError> {
+        let (which, limit) = if self.limits.entry_bytes <= self.limits.total_bytes - self.read_bytes {
+            ("one file", self.limits.entry_bytes)
+        } else {
+            ("all files together", self.limits.total_bytes - self.read_bytes)
+        };
+        let unpacked = match &mut self.storage {
+            Storage::Zip(archive) => read_zip(archive, entry, limit).map_err(|reason| {
+                ReadError::BrokenEntry { path: self.path.clone(), entry: entry.to_owned(), reason }
+            })?,
+            Storage::Directory(root) => read_below(root, entry, limit)
+                .map_err(|source| ReadError::Io { path: root.join(entry), source })?,
+        };
+        let Some(bytes) = unpacked else { return Ok(None) };
+        if bytes.len() as u64 > limit {
+            let limit = if which == "one file" { limit } else { self.limits.total_bytes };
+            return Err(ReadError::TooLarge {
+                path: self.path.clone(),
+                entry: entry.to_owned(),
+                which,
+                limit,
+            });
+        }
+        self.read_bytes += bytes.len() as u64;
+        Ok(Some(bytes))
+    }
+
+    /// Contents of an entry without which there is no project.
+    pub fn require(&mut self, entry: &str) -> Result<Vec<u8>, ReadError> {
+        self.read(entry)?
+            .ok_or_else(|| ReadError::MissingEntry { path: self.path.clone(), entry: entry.to_owned() })
+    }
+
+    /// A model source as text, in the character set that the manifest names.
+    pub fn read_source(&mut self, entry: &str) -> Result<Option<String>, ReadError> {
+        let Some(bytes) = self.read(entry)? else { return Ok(None) };
+        let charset = self.charsets.get(entry).and_then(|c| encoding_rs::Encoding::for_label(c.as_bytes()));
+        // Without a manifest the two character sets that occur are told apart by validity.
+        let charset = charset.unwrap_or_else(|| match std::str::from_utf8(&bytes) {
+            Ok(_) => encoding_rs::UTF_8,
+            Err(_) => encoding_rs::WINDOWS_1252,
+        });
+        Ok(Some(charset.decode(&bytes).0.into_owned()))
+    }
+}
+
+fn read_zip(archive: &mut zip::ZipArchive<File>, entry: &str, limit: u64) -> Result<Option<Vec<u8>>, String> {
+    let file = match archive.by_name(entry) {
+        Ok(file) => file,
+        Err(zip::result::ZipError::FileNotFound) => return Ok(None),
+        Err(error) => return Err(error.to_string()),
+    };
+    // The size in the header may lie, so count what really comes out.
+    let mut bytes = Vec::new();
+    file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    Ok(Some(bytes))
+}
+
+fn read_below(root: &Path, entry: &str, limit: u64) -> io::Result<Option<Vec<u8>>> {
+    let relative = Path::new(entry);
+    if entry.contains('\\')
+        || !relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir))
+    {
+        return Ok(None);
+    }
+    let root = if root.as_os_str().is_empty() { Path::new(".") } else { root };
+    let real = match root.join(relative).canonicalize() {
+        Ok(real) => real,
+        Err(error)
+            if matches!(
+                error.kind(),
+                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory | io::ErrorKind::InvalidInput
+            ) =>
+        {
+            return Ok(None);
+        }
+        Err(error) => return Err(error),
+    };
+    // Links must not lead out of the project either.
+    if !real.starts_with(root.canonicalize()?) || !real.is_file() {
+        return Ok(None);
+    }
+    let mut bytes = Vec::new();
+    File::open(real)?.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
+    Ok(Some(bytes))
+}
+
+/// Entry name to character set.
+fn manifest_charsets(manifest: &str) -> HashMap<String, String> {
+    // Long lines are folded: a line that starts with a space goes on where the last one ended.
+    let unfolded = manifest.replace("\r\n", "\n").replace('\r', "\n").replace("\n ", "");
+    let mut charsets = HashMap::new();
+    let mut name = None;
+    for line in unfolded.lines() {
+        if let Some(value) = line.strip_prefix("Name:") {
+            name = Some(value.trim().to_owned());
+        } else if let Some(value) = line.strip_prefix("Content-Type:") {
+            let charset = value.split(';').find_map(|part| part.trim().strip_prefix("charset="));
+            if let (Some(name), Some(charset)) = (name.take(), charset) {
+                charsets.insert(name, charset.trim_matches('"').to_owned());
+            }
+        }
+    }
+    charsets
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn charsets_are_found_in_folded_lines() {
+        let manifest = "Manifest-Version: 1.0\r\n\r\nName: a very lo\r\n ng name.rgg\r\nContent-Type: \
+                        text/x-grogra-rgg; charset=windows-1252\r\n\r\nName: graph.xml\r\nContent-Type: x/y\r\n";
+        let charsets = manifest_charsets(manifest);
+        assert_eq!(charsets.get("a very long name.rgg").map(String::as_str), Some("windows-1252"));
+        assert_eq!(charsets.len(), 1);
+    }
+
+    #[test]
+    fn nothing_outside_the_directory_is_read() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+        assert!(read_below(&root, "lib.rs", 1 << 20).unwrap().is_some());
+        assert!(read_below(&root, "../Cargo.toml", 1 << 20).unwrap().is_none());
+        assert!(read_below(&root, "/etc/hostname", 1 << 20).unwrap().is_none());
+        assert!(read_below(&root, "no such file", 1 << 20).unwrap().is_none());
+    }
+}

@@ -1,0 +1,144 @@
+//! Fields of a scene node: what the file stores, else what its module assigns, else the class default.
+
+use crate::ReadError;
+use crate::graph::{Graph, NodeIndex};
+use crate::modules::StaticValue;
+use crate::values::{Kind, Value, parse_number, parse_numbers};
+use crate::view::affine;
+use glam::{DAffine3, DVec3};
+use std::collections::HashMap;
+
+/// What missing fields of a module mean.
+pub(crate) type Defaults = HashMap<String, StaticValue>;
+
+/// Access to the fields of one node.
+#[derive(Clone, Copy)]
+pub(crate) struct Fields<'a> {
+    pub graph: &'a Graph,
+    pub node: NodeIndex,
+    pub defaults: &'a Defaults,
+}
+
+/// Where a field's value stands.
+#[derive(Clone, Copy)]
+pub(crate) enum Field<'a> {
+    File(&'a Value),
+    Module(&'a StaticValue),
+    Missing,
+}
+
+impl<'a> Fields<'a> {
+    pub fn get(&self, name: &str) -> Field<'a> {
+        match (self.graph.field(self.node, name), self.defaults.get(name)) {
+            (Some(value), _) => Field::File(value),
+            (None, Some(value)) => Field::Module(value),
+            (None, None) => Field::Missing,
+        }
+    }
+
+    /// A number of any type; fails if the file holds something else.
+    pub fn number(&self, name: &str, default: f64) -> Result<f64, ReadError> {
+        match self.get(name) {
+            Field::File(value) if value.kind == Kind::Null => Ok(default),
+            Field::File(value) => number_of(self.graph, value, self.owner(), name),
+            Field::Module(StaticValue::Number(number)) => Ok(*number),
+            Field::Module(_) | Field::Missing => Ok(default),
+        }
+    }
+
+    /// A truth value; fails if the file holds something else.
+    pub fn flag(&self, name: &str, default: bool) -> Result<bool, ReadError> {
+        match self.get(name) {
+            Field::File(value) => match value.text() {
+                "true" => Ok(true),
+                "false" => Ok(false),
+                _ => Err(wrong_value(self.graph, value, self.owner(), name, "true or false")),
+            },
+            Field::Module(StaticValue::Bool(flag)) => Ok(*flag),
+            Field::Module(_) | Field::Missing => Ok(default),
+        }
+    }
+
+    /// Three numbers; fails if the file holds something else.
+    pub fn vector(&self, name: &str, default: DVec3) -> Result<DVec3, ReadError> {
+        match self.get(name) {
+            Field::File(value) if value.kind == Kind::Null => Ok(default),
+            Field::File(value) => match parse_numbers(value.text()).as_deref() {
+                Some(&[x, y, z]) => Ok(DVec3::new(x, y, z)),
+                _ => Err(wrong_value(self.graph, value, self.owner(), name, "three numbers")),
+            },
+            Field::Module(StaticValue::Vector(vector)) => Ok(DVec3::from_array(*vector)),
+            Field::Module(_) | Field::Missing => Ok(default),
+        }
+    }
+
+    /// The field `transform`, and the class of one that is not known here and counts as identity.
+    pub fn transform(&self) -> Result<(DAffine3, Option<&'a str>), ReadError> {
+        let value = match self.get("transform") {
+            Field::File(value) => value,
+            Field::Module(StaticValue::Vector(vector)) => {
+                let scale = DAffine3::from_scale(DVec3::splat(self.number("scale", 1.0)?));
+                return Ok((DAffine3::from_translation(DVec3::from_array(*vector)) * scale, None));
+            }
+            Field::Module(_) => return Ok((DAffine3::IDENTITY, None)),
+            Field::Missing => {
+                // Null's alias `scale` in a module; a field of that name is never stored.
+                let scale = match self.defaults.get("scale") {
+                    Some(StaticValue::Number(scale)) => *scale,
+                    _ => 1.0,
+                };
+                return Ok((DAffine3::from_scale(DVec3::splat(scale)), None));
+            }
+        };
+        if value.kind == Kind::Null {
+            return Ok((DAffine3::IDENTITY, None));
+        }
+        let class = self.graph.values.type_of(value).unwrap_or("");
+        let wrong = |expected| Err(wrong_value(self.graph, value, self.owner(), "transform", expected));
+        match class.rsplit('.').next().unwrap_or("") {
+            "TVector3d" => match parse_numbers(value.text()).as_deref() {
+                Some(&[x, y, z]) => Ok((DAffine3::from_translation(DVec3::new(x, y, z)), None)),
+                _ => wrong("three numbers"),
+            },
+            "TMatrix4d" => match parse_numbers(value.text()).as_deref().and_then(affine) {
+                Some(matrix) => Ok((matrix, None)),
+                None => wrong("sixteen numbers"),
+            },
+            "UniformScale" => match self.graph.values.find(value.members, "scale") {
+                Some(scale) => {
+                    let scale = number_of(self.graph, scale, class, "scale")?;
+                    Ok((DAffine3::from_scale(DVec3::splat(scale)), None))
+                }
+                None => Ok((DAffine3::IDENTITY, None)),
+            },
+            _ => Ok((DAffine3::IDENTITY, Some(class))),
+        }
+    }
+
+    fn owner(&self) -> &'a str {
+        self.graph.type_name(self.node)
+    }
+}
+
+/// The number that a value of the file holds.
+pub(crate) fn number_of(graph: &Graph, value: &Value, owner: &str, field: &str) -> Result<f64, ReadError> {
+    parse_number(value.text()).ok_or_else(|| wrong_value(graph, value, owner, field, "a number"))
+}
+
+/// The error for a value that its field cannot hold.
+pub(crate) fn wrong_value(
+    graph: &Graph,
+    value: &Value,
+    owner: &str,
+    field: &str,
+    expected: &'static str,
+) -> ReadError {
+    ReadError::WrongValue {
+        file: graph.file.clone(),
+        line: value.line,
+        owner: owner.to_owned(),
+        field: field.to_owned(),
+        found: value.text().to_owned(),
+        expected,
+    }
+}

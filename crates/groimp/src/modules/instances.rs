@@ -1,0 +1,359 @@
+//! Makes an instance of a module as its constructor without arguments would do.
+//!
+//! A module without parameters passes the arguments of its `extends` clause to the base class, one with
+//! parameters calls the base constructor without arguments. Instance initialisers run in both cases.
+//! Whether the with-block of a module with parameters runs is not certain; constants in it are used all the
+//! same, because then a file that lacks the field cannot mean anything else.
+
+use super::builtins::{self, Target};
+use super::declarations::{Declaration, File, Member};
+use super::expressions::{Meter, Scope};
+use super::values::{Evaluated, Failure, Value};
+use super::{Sources, StaticShader, StaticValue};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::ops::Range;
+
+const MOST_NOTES: usize = 30;
+
+/// A declaration in the chain of base classes.
+pub(super) struct Level<'a> {
+    pub file: usize,
+    pub declaration: &'a Declaration,
+}
+
+/// Values for the parameters of a constructor, with the places where they are given. Empty for a call
+/// without arguments.
+type Arguments = Vec<(Range<usize>, Evaluated)>;
+
+pub(super) struct Instance<'a> {
+    sources: &'a Sources,
+    /// The built-in class.
+    class: &'a str,
+    fields: BTreeMap<String, StaticValue>,
+    /// Names that expressions may use: parameters, fields and local variables.
+    pub variables: HashMap<String, Value>,
+    /// Fields that modules declare themselves.
+    own: HashSet<&'a str>,
+    pub methods: HashSet<&'a str>,
+    pub meter: Meter,
+    notes: Vec<String>,
+}
+
+impl<'a> Instance<'a> {
+    /// The fields of the instance that differ from the built-in class, and notes for the user. The chain
+    /// begins with the module itself.
+    pub fn make(
+        sources: &'a Sources,
+        class: &'a str,
+        chain: &[Level<'a>],
+    ) -> (BTreeMap<String, StaticValue>, Vec<String>) {
+        let mut instance = Instance {
+            sources,
+            class,
+            fields: BTreeMap::new(),
+            variables: HashMap::new(),
+            own: HashSet::new(),
+            methods: chain.iter().flat_map(|l| l.declaration.methods.iter().map(String::as_str)).collect(),
+            meter: Meter::default(),
+            notes: Vec::new(),
+        };
+        // Arguments are computed upwards, from the module to the built-in class, ...
+        let mut bound = Vec::new();
+        let mut arguments = Arguments::new();
+        for (index, level) in chain.iter().enumerate() {
+            let parameters = instance.bind(level, &arguments);
+            let called_by = std::mem::take(&mut arguments);
+            if level.declaration.parameters.is_empty() || !called_by.is_empty() {
+                arguments = instance.base_arguments(level, parameters.as_ref());
+                if index + 1 < chain.len() {
+                    instance.note_failures(level, &arguments);
+                }
+            }
+            bound.push(parameters);
+        }
+        // ... and the constructors run downwards.
+        if let Some(level) = chain.last() {
+            instance.construct(level, arguments);
+        }
+        for (level, parameters) in chain.iter().zip(bound).rev() {
+            instance.run_level(level, parameters);
+        }
+        (instance.fields, instance.notes)
+    }
+
+    pub fn file(&self, level: &Level) -> &'a File {
+        &self.sources.files[level.file]
+    }
+
+    pub fn note(&mut self, level: &Level, at: usize, text: &str) {
+        let file = self.file(level);
+        let note = format!("{}:{}: {text}", file.path, file.line(at));
+        if self.notes.len() < MOST_NOTES && !self.notes.contains(&note) {
+            self.notes.push(note);
+        }
+    }
+
+    pub fn note_value(&mut self, level: &Level, at: usize, what: &str, failure: &Failure) {
+        // Objects that an expression creates are never omitted in files, so nothing is lost.
+        if let Failure::Unknown(reason) = failure
+            && self.file(level).word(at) != Some("new")
+        {
+            self.note(level, at, &format!("the value of {what} cannot be determined: {reason}"));
+        }
+    }
+
+    fn note_failures(&mut self, level: &Level, arguments: &Arguments) {
+        for (range, value) in arguments {
+            if let Err(failure) = value {
+                self.note_value(level, range.start, "a constructor argument", failure);
+            }
+        }
+    }
+
+    pub fn scope<'b>(&'b self, level: &Level<'b>, variables: &'b HashMap<String, Value>) -> Scope<'b> {
+        let owner = &level.declaration.full_name;
+        Scope { sources: self.sources, file: level.file, owner, variables, meter: &self.meter }
+    }
+
+    /// The parameter values of a level that is constructed with arguments.
+    fn bind(&self, level: &Level, arguments: &Arguments) -> Option<HashMap<String, Value>> {
+        if arguments.is_empty() {
+            return None;
+        }
+        let mut values = arguments.iter().map(|(_, value)| value.clone().unwrap_or(Value::Unknown));
+        let parameters = level.declaration.parameters.iter().map(|parameter| {
+            let value = values.next().unwrap_or(Value::Unknown);
+            (parameter.name.clone(), value.converted(&parameter.kind))
+        });
+        Some(parameters.collect())
+    }
+
+    /// The arguments that a level passes to its base class.
+    fn base_arguments(&self, level: &Level, parameters: Option<&HashMap<String, Value>>) -> Arguments {
+        let declaration = level.declaration;
+        let file = self.file(level);
+        let explicit = declaration.constructor.as_ref().map(|body| body.start);
+        let explicit = explicit.filter(|at| file.word(*at) == Some("super") && file.is(at + 1, "("));
+        let range = explicit.map(|at| file.inside(at + 1));
+        let range = range.or_else(|| declaration.base.as_ref()?.arguments.clone());
+        let none = HashMap::new();
+        range.map_or_else(Vec::new, |range| self.scope(level, parameters.unwrap_or(&none)).arguments(range))
+    }
+
+    /// Runs the constructor of the built-in class.
+    fn construct(&mut self, level: &Level, arguments: Arguments) {
+        // Of an unknown class the user has been told already.
+        if builtins::class(self.class).as_deref() != Some(self.class) {
+            return;
+        }
+        let Some(targets) = builtins::constructor(self.class, arguments.len()) else {
+            let class = builtins::simple_name(self.class);
+            let text = format!("these arguments of '{class}' are not understood");
+            let at = arguments.first().map_or(0, |(range, _)| range.start);
+            return self.note(level, at, &text);
+        };
+        for (target, (range, value)) in targets.iter().zip(arguments) {
+            if *target == Target::Nothing {
+                continue;
+            }
+            match value {
+                Ok(value) => {
+                    if !self.set_target(*target, value) {
+                        self.note(level, range.start, "this constructor argument is not understood");
+                    }
+                }
+                Err(failure) => self.note_value(level, range.start, "a constructor argument", &failure),
+            }
+        }
+    }
+
+    fn set_target(&mut self, target: Target, value: Value) -> bool {
+        let number = value.number();
+        match (target, number) {
+            (Target::Nothing, _) => {}
+            (Target::Field(name), _) => self.set_field(name, value),
+            (Target::Component(name, index), Some(number)) => self.set_component(name, index, number),
+            (Target::HalfAxis, Some(_)) => self.set_field("width", value),
+            (Target::Negated(name), Some(number)) => self.set_field(name, Value::real(-number)),
+            (Target::AllScales, Some(_)) => return self.set("scale", vec![value]),
+            (Target::Colour, _) => {
+                let (argument, shader) = match value {
+                    Value::Number { value, .. } if (0.0..=15.5).contains(&value) => {
+                        (value, StaticShader::Predefined((value.round() as u32).min(15)))
+                    }
+                    Value::Number { value, .. } => {
+                        let [r, g, b] = builtins::colour(value as i64 as u32);
+                        (-1.0, StaticShader::Rgba([r, g, b, 1.0]))
+                    }
+                    Value::Shader(shader) => (-1.0, shader),
+                    _ => return false,
+                };
+                self.set_field("argument", Value::real(argument));
+                self.set_field("shader", Value::Shader(shader));
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    /// Runs the part of the constructor that a declaration adds.
+    fn run_level(&mut self, level: &Level<'a>, parameters: Option<HashMap<String, Value>>) {
+        let declaration = level.declaration;
+        let given = parameters.is_some();
+        let mut values = parameters.unwrap_or_default();
+        for parameter in &declaration.parameters {
+            let value = values.remove(&parameter.name).unwrap_or(Value::Parameter);
+            if !parameter.reuses_field {
+                self.own.insert(&parameter.name);
+            }
+            if given && value != Value::Unknown {
+                self.assign(&parameter.name, value);
+            } else {
+                self.variables.insert(parameter.name.clone(), value);
+            }
+        }
+        for with in declaration.base.iter().flat_map(|base| &base.with) {
+            self.run(level, with.clone(), &[",", ";", "}"]);
+        }
+        if !given {
+            for parameter in &declaration.parameters {
+                let value = if !parameter.reuses_field {
+                    Value::initial(&parameter.kind)
+                } else {
+                    match self.fields.get(&parameter.name) {
+                        Some(StaticValue::Number(value)) => Value::real(*value),
+                        Some(StaticValue::Shader(shader)) => Value::Shader(shader.clone()),
+                        _ => Value::Unknown,
+                    }
+                };
+                self.variables.insert(parameter.name.clone(), value);
+            }
+        }
+        for member in &declaration.members {
+            match member {
+                Member::Initialiser(range) => self.run(level, range.clone(), &[";", "}"]),
+                Member::Field { kind, name, value: None } => {
+                    self.own.insert(name);
+                    self.variables.insert(name.clone(), Value::initial(kind));
+                }
+                Member::Field { kind, name, value: Some(range) } => {
+                    self.own.insert(name);
+                    let value = self.scope(level, &self.variables).evaluate(range.clone());
+                    match value {
+                        Ok(value) => self.assign(name, value.converted(kind)),
+                        // Such a field is seldom of interest for a picture.
+                        Err(_) => {
+                            self.variables.insert(name.clone(), Value::Unknown);
+                        }
+                    }
+                }
+            }
+        }
+        if let Some(body) = &declaration.constructor {
+            self.run(level, body.clone(), &[";", "}"]);
+        }
+    }
+
+    /// Calls a setter with arguments; false if it is not known.
+    pub fn set(&mut self, property: &str, values: Vec<Value>) -> bool {
+        let simple = builtins::simple_name(self.class);
+        let numbers: Option<Vec<f64>> = values.iter().map(Value::number).collect();
+        let numbers = numbers.unwrap_or_default();
+        let property = if property == "translation" { "transform" } else { property };
+        if property == "color" {
+            return self.set_colour(&values, &numbers);
+        }
+        match (property, values.as_slice()) {
+            ("open", [value]) if matches!(simple, "Cylinder" | "Frustum") => {
+                self.set_field("baseOpen", value.clone());
+                self.set_field("topOpen", value.clone());
+            }
+            ("scale", _) if simple == "Scale" && matches!(numbers.len(), 1 | 3) => {
+                for (index, name) in ["scaleX", "scaleY", "scaleZ"].into_iter().enumerate() {
+                    self.set_field(name, Value::real(numbers[if numbers.len() == 3 { index } else { 0 }]));
+                }
+            }
+            // A matrix is a fresh object, which files always contain.
+            ("scale", [_, _, _]) if builtins::has_transform(self.class) => {}
+            (_, [value]) => self.set_field(property, value.clone()),
+            _ => match numbers.as_slice() {
+                [x, y, z] => self.set_field(property, Value::Vector([*x, *y, *z])),
+                _ => return false,
+            },
+        }
+        true
+    }
+
+    fn set_colour(&mut self, values: &[Value], numbers: &[f64]) -> bool {
+        use super::StaticChannel::Rgb;
+        let rgba = match (values, numbers) {
+            ([Value::Number { value, integer: true }], _) => {
+                if builtins::has_indexed_colour(self.class) && (-1.0..16.0).contains(value) {
+                    self.set_field("color", Value::real(*value));
+                    return true;
+                }
+                let [r, g, b] = builtins::colour(*value as i64 as u32);
+                [r, g, b, 1.0]
+            }
+            ([Value::Channel(Rgb([r, g, b])) | Value::Vector([r, g, b])], _) => [*r, *g, *b, 1.0],
+            ([Value::Shader(StaticShader::Rgba(rgba))], _) => *rgba,
+            ([Value::Shader(StaticShader::Predefined(index))], _) => {
+                let Some([r, g, b]) = builtins::predefined_colour(*index) else { return false };
+                [r, g, b, 1.0]
+            }
+            (_, [r, g, b]) => [*r, *g, *b, 1.0],
+            (_, [r, g, b, a]) => [*r, *g, *b, *a],
+            _ => return false,
+        };
+        if builtins::has_rgb_colour(self.class) {
+            self.set_field("color", Value::Vector([rgba[0], rgba[1], rgba[2]]));
+        } else {
+            self.set_field("shader", Value::Shader(StaticShader::Rgba(rgba)));
+        }
+        true
+    }
+
+    /// A plain assignment: to a field of the module or to one of the built-in class.
+    pub fn assign(&mut self, name: &str, value: Value) {
+        if !self.own.contains(name) {
+            return self.set_field(name, value);
+        }
+        if !builtins::is_builtin_field(self.class, name)
+            && let Some(value) = value.clone().into_static()
+        {
+            self.fields.insert(name.to_owned(), value);
+        }
+        self.variables.insert(name.to_owned(), value);
+    }
+
+    /// Sets a field of the built-in class, given by its name or that of an alias.
+    fn set_field(&mut self, name: &str, value: Value) {
+        let number = value.number();
+        let index = ["x", "y", "z"].iter().position(|axis| *axis == name);
+        match (number, index) {
+            (Some(width), _) if name == "width" && builtins::simple_name(self.class) == "Parallelogram" => {
+                self.fields.insert("axis".into(), StaticValue::Vector([width / 2.0, 0.0, 0.0]));
+            }
+            (Some(number), Some(index)) if builtins::has_transform(self.class) => {
+                self.set_component("transform", index, number);
+            }
+            _ => {
+                if let Some(value) = value.clone().into_static() {
+                    self.fields.insert(name.to_owned(), value);
+                }
+            }
+        }
+        if !self.own.contains(name) {
+            self.variables.insert(name.to_owned(), value);
+        }
+    }
+
+    fn set_component(&mut self, name: &str, index: usize, number: f64) {
+        let mut vector = match self.fields.get(name) {
+            Some(StaticValue::Vector(vector)) => *vector,
+            _ => [0.0; 3],
+        };
+        vector[index] = number;
+        self.fields.insert(name.to_owned(), StaticValue::Vector(vector));
+    }
+}

@@ -1,0 +1,81 @@
+//! What the node types of a file mean: a class of GroIMP, or a module that extends one.
+
+use crate::classes::Class;
+use crate::fields::Defaults;
+use crate::graph::Graph;
+use crate::modules::{ResolvedModule, Sources};
+use crate::report::{Location, Report};
+use crate::values::Symbol;
+use std::collections::HashMap;
+
+/// What a node type means.
+pub(crate) struct Type {
+    pub class: Class,
+    /// What missing fields mean, where this differs from the class.
+    pub defaults: Defaults,
+    /// What nodes of this type lack.
+    notes: Vec<(String, Option<Location>)>,
+}
+
+impl Type {
+    /// Notes what a node of this type lacks.
+    pub fn report(&self, node: Option<Location>, report: &mut Report) {
+        for (message, location) in &self.notes {
+            report.warn(message.clone(), location.clone().or_else(|| node.clone()));
+        }
+    }
+}
+
+/// All types of a file.
+pub(crate) struct Types(HashMap<Symbol, Type>);
+
+impl Types {
+    pub fn new(graph: &Graph, sources: &Sources) -> Self {
+        let mut types = HashMap::new();
+        for node in &graph.nodes {
+            let name = graph.values.name(node.type_name);
+            types.entry(node.type_name).or_insert_with(|| read_type(name, sources));
+        }
+        Types(types)
+    }
+
+    /// The type of that name in the file.
+    pub fn get(&self, name: Symbol) -> Option<&Type> {
+        self.0.get(&name)
+    }
+}
+
+fn read_type(name: &str, sources: &Sources) -> Type {
+    if let Some(class) = Class::of(name) {
+        return Type { class, defaults: Defaults::new(), notes: Vec::new() };
+    }
+    match sources.resolve(name) {
+        Some(module) => module_type(name, module),
+        None => {
+            let message =
+                format!("the type '{name}' is not known; its nodes draw nothing, what is below them is kept");
+            Type { class: Class::Plain, defaults: Defaults::new(), notes: vec![(message, None)] }
+        }
+    }
+}
+
+fn module_type(name: &str, module: ResolvedModule) -> Type {
+    let (file, line) = module.declared_at;
+    let declared = Some(Location { file, line });
+    let mut notes = Vec::new();
+    let class = Class::of(&module.base).unwrap_or_else(|| {
+        let base = &module.base;
+        let message = format!("module {name} extends '{base}', which is not known; its nodes draw nothing");
+        notes.push((message, declared.clone()));
+        Class::Plain
+    });
+    if module.has_body {
+        let message = format!("module {name}: its body after ==> is not evaluated and not drawn");
+        notes.push((message, declared.clone()));
+    }
+    for problem in module.unresolved {
+        notes.push((format!("module {name}: {problem}"), declared.clone()));
+    }
+    let defaults = module.defaults.into_iter().map(|default| (default.field, default.value)).collect();
+    Type { class, defaults, notes }
+}

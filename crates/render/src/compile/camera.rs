@@ -1,0 +1,49 @@
+use super::{CompileError, affine};
+use kernels::records::kernel::{CAMERA_PARALLEL, CAMERA_PERSPECTIVE, NONE, SceneHeader};
+use scene::{Camera, DAffine3, DVec3, Projection};
+
+/// The header with the camera filled in and all tables empty.
+pub(super) fn compile_camera(
+    camera: &Camera,
+    local_from_world: &DAffine3,
+    local_bounds: Option<(DVec3, DVec3)>,
+) -> Result<SceneHeader, CompileError> {
+    let local_from_view = *local_from_world * camera.view_from_world.inverse();
+    let (kind, scale_x, aspect) = match camera.projection {
+        Projection::Perspective { fov_x, aspect } => {
+            // GroIMP clamps the angle to a little less than pi.
+            (CAMERA_PERSPECTIVE, (0.5 * fov_x.clamp(1e-6, std::f64::consts::PI - 1e-3)).tan(), aspect)
+        }
+        Projection::Parallel { width, aspect } => (CAMERA_PARALLEL, 0.5 * width, aspect),
+    };
+    let usable = local_from_view.is_finite()
+        && camera.view_from_world.matrix3.determinant() != 0.0
+        && scale_x.is_finite()
+        && scale_x > 0.0
+        && aspect.is_finite()
+        && aspect > 0.0;
+    if !usable {
+        return Err(CompileError::DegenerateCamera);
+    }
+    Ok(SceneHeader {
+        world_from_view: affine(&local_from_view),
+        view_scale_x: scale_x as f32,
+        view_scale_y: (scale_x * aspect) as f32,
+        start_distance: start_distance(&local_from_view.inverse(), local_bounds) as f32,
+        camera: kind,
+        unbounded_objects: 0,
+        nodes: 0,
+        lights: 0,
+        sky: NONE,
+    })
+}
+
+/// Height above the view plane from which parallel rays see all finite objects, in metres.
+fn start_distance(view_from_local: &DAffine3, local_bounds: Option<(DVec3, DVec3)>) -> f64 {
+    let Some((low, high)) = local_bounds else {
+        return 1000.0;
+    };
+    let centre = view_from_local.transform_point3(0.5 * (low + high));
+    let radius = 0.5 * (high - low).length() * view_from_local.matrix3.z_axis.length().max(1.0);
+    centre.z + 1.01 * radius + 1e-3
+}

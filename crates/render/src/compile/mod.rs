@@ -1,0 +1,158 @@
+//! Flattens a scene description into the records that the kernels read.
+
+mod bvh;
+mod camera;
+mod lights;
+mod materials;
+mod objects;
+
+use crate::compile::materials::Materials;
+use kernels::records::kernel::{
+    BvhNode, ChannelRecord, LightRecord, MaterialRecord, NONE, ObjectRecord, SceneHeader,
+};
+use scene::{DAffine3, DVec3, Scene};
+
+/// A scene in the form that devices take: flat tables of records, in 32-bit numbers, relative to an origin near
+/// the middle of the scene, so that a scene far from the origin of its coordinates renders as sharply as one
+/// around it.
+#[derive(Clone, Debug)]
+pub struct CompiledScene {
+    /// What is the same for the whole scene.
+    pub header: SceneHeader,
+    /// Bounding volume hierarchy over the bounded objects; the root is node 0.
+    pub nodes: Vec<BvhNode>,
+    /// Unbounded objects, then the bounded ones in the order of the hierarchy's leaves.
+    pub objects: Vec<ObjectRecord>,
+    /// Indexed by `ShapeRecord::material`.
+    pub materials: Vec<MaterialRecord>,
+    /// Indexed by the fields of materials.
+    pub channels: Vec<ChannelRecord>,
+    /// Red, green, blue, alpha of all images, red in the lowest byte.
+    pub texels: Vec<u32>,
+    /// All light sources, the sky included.
+    pub lights: Vec<LightRecord>,
+    triangles: usize,
+}
+
+/// How objects are found along a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Acceleration {
+    /// By a bounding volume hierarchy.
+    #[default]
+    Bvh,
+    /// By testing every object: slow, and the plainest statement of what the result should be.
+    None,
+}
+
+/// Why a scene cannot be rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum CompileError {
+    /// An object has no extent or numbers that are not finite.
+    #[error(
+        "{type_name} (node {node}) cannot be drawn: its size or placement is zero or not a number; \
+         leave it out or give it an extent"
+    )]
+    DegenerateObject {
+        /// GroIMP class or module.
+        type_name: String,
+        /// Id of the node in the project.
+        node: i64,
+    },
+    /// An image is too large for the texture tables.
+    #[error("image {name} is {width} x {height} pixels; at most 65535 x 65535 can be used as a texture")]
+    ImageTooLarge {
+        /// Name of the image.
+        name: String,
+        /// Its width in pixels.
+        width: u32,
+        /// Its height in pixels.
+        height: u32,
+    },
+    /// All images together are too large.
+    #[error("all images together have {texels} pixels; at most 4294967295 fit")]
+    TooManyTexels {
+        /// Their number of pixels.
+        texels: usize,
+    },
+    /// The camera's numbers make no picture.
+    #[error("the camera cannot be used: its placement or opening angle is zero or not a number")]
+    DegenerateCamera,
+}
+
+impl CompiledScene {
+    /// Number of triangles of all meshes, counted as often as they are drawn.
+    pub fn triangles(&self) -> usize {
+        self.triangles
+    }
+}
+
+/// Compiles a scene with a bounding volume hierarchy.
+///
+/// # Errors
+/// If something in it has no extent or is too large for the tables.
+pub fn compile(scene: &Scene) -> Result<CompiledScene, CompileError> {
+    compile_with(scene, Acceleration::Bvh)
+}
+
+/// Compiles a scene; see [`compile`].
+///
+/// # Errors
+/// As [`compile`].
+pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<CompiledScene, CompileError> {
+    let bounds = scene.bounds();
+    let world_from_camera = scene.camera.view_from_world.inverse();
+    let origin = match bounds {
+        Some((low, high)) => 0.5 * (low + high),
+        None => world_from_camera.translation,
+    };
+    let local_from_world = DAffine3::from_translation(-origin);
+
+    let Materials { records: materials, channels, texels, not_opaque } = materials::compile_materials(scene)?;
+    let lights = lights::compile_lights(scene, &local_from_world);
+    let primitives = objects::compile_objects(scene, &local_from_world, &not_opaque, &lights.of_object)?;
+    let triangles = primitives.triangles;
+    let hierarchy = bvh::arrange(primitives, acceleration);
+
+    let local_bounds = bounds.map(|(low, high)| (low - origin, high - origin));
+    let mut header = camera::compile_camera(&scene.camera, &local_from_world, local_bounds)?;
+    header.unbounded_objects = count(hierarchy.unbounded);
+    header.nodes = count(hierarchy.nodes.len());
+    header.lights = count(lights.records.len());
+    header.sky = lights.sky.unwrap_or(NONE);
+
+    Ok(CompiledScene {
+        header,
+        nodes: hierarchy.nodes,
+        objects: hierarchy.objects,
+        materials,
+        channels,
+        texels,
+        lights: lights.records,
+        triangles,
+    })
+}
+
+/// A table length as the kernels count it.
+///
+/// # Panics
+/// If a table had 2^32 entries; they would need hundreds of gigabytes.
+fn count(len: usize) -> u32 {
+    u32::try_from(len).expect("tables hold fewer than 2^32 records")
+}
+
+/// Rows of a matrix in 32 bits.
+fn affine(matrix: &DAffine3) -> kernels::records::kernel::Affine {
+    let m = matrix.matrix3;
+    let t = matrix.translation;
+    let row = |x: f64, y: f64, z: f64, w: f64| wgsl_rs::std::vec4f(x as f32, y as f32, z as f32, w as f32);
+    kernels::records::kernel::Affine {
+        row0: row(m.x_axis.x, m.y_axis.x, m.z_axis.x, t.x),
+        row1: row(m.x_axis.y, m.y_axis.y, m.z_axis.y, t.y),
+        row2: row(m.x_axis.z, m.y_axis.z, m.z_axis.z, t.z),
+    }
+}
+
+/// A vector in 32 bits.
+fn vector(v: DVec3) -> wgsl_rs::std::Vec3f {
+    wgsl_rs::std::vec3f(v.x as f32, v.y as f32, v.z as f32)
+}

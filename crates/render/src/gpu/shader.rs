@@ -1,0 +1,103 @@
+//! The kernels' view of a scene in storage buffers, and the entry point of the graphics card.
+//!
+//! The bindings are numbered as in [`super::scene`]. Seven storage buffers are within WebGPU's default limits.
+
+use wgsl_rs::wgsl;
+
+// Rust never calls the entry point; the graphics card does.
+#[allow(dead_code)]
+#[wgsl]
+pub mod kernel {
+    use kernels::path::kernel::*;
+    use kernels::records::kernel::*;
+    use wgsl_rs::std::*;
+
+    uniform!(group(0), binding(0), HEADER: SceneHeader);
+    uniform!(group(0), binding(1), SETTINGS: LaunchSettings);
+    storage!(group(0), binding(2), NODES: RuntimeArray<BvhNode>);
+    storage!(group(0), binding(3), OBJECTS: RuntimeArray<ObjectRecord>);
+    storage!(group(0), binding(4), MATERIALS: RuntimeArray<MaterialRecord>);
+    storage!(group(0), binding(5), CHANNELS: RuntimeArray<ChannelRecord>);
+    storage!(group(0), binding(6), TEXELS: RuntimeArray<u32>);
+    storage!(group(0), binding(7), LIGHTS: RuntimeArray<LightRecord>);
+    storage!(group(0), binding(8), read_write, FILM: RuntimeArray<FilmPixel>);
+
+    /// Stands for the storage buffers where the kernels expect a scene.
+    #[derive(Copy, Clone, Wgsl)]
+    pub struct Buffers {
+        pub unused: u32,
+    }
+
+    impl SceneAccess for Buffers {
+        fn header(_scene: Buffers) -> SceneHeader {
+            load!(HEADER)
+        }
+        fn node(_scene: Buffers, index: u32) -> BvhNode {
+            get!(NODES)[index as usize]
+        }
+        fn shape(_scene: Buffers, index: u32) -> ShapeRecord {
+            get!(OBJECTS)[index as usize].shape
+        }
+        fn surface(_scene: Buffers, index: u32) -> SurfaceRecord {
+            get!(OBJECTS)[index as usize].surface
+        }
+        fn material(_scene: Buffers, index: u32) -> MaterialRecord {
+            get!(MATERIALS)[index as usize]
+        }
+        fn channel(_scene: Buffers, index: u32) -> ChannelRecord {
+            get!(CHANNELS)[index as usize]
+        }
+        fn texel(_scene: Buffers, index: u32) -> u32 {
+            get!(TEXELS)[index as usize]
+        }
+        fn light(_scene: Buffers, index: u32) -> LightRecord {
+            get!(LIGHTS)[index as usize]
+        }
+    }
+
+    /// One invocation adds the samples of one launch to one pixel of the tile.
+    #[compute]
+    #[workgroup_size(8, 8)]
+    pub fn render_tile(#[builtin(global_invocation_id)] id: Vec3u) {
+        let settings = load!(SETTINGS);
+        if id.x < settings.tile_width && id.y < settings.tile_height {
+            let index = id.y * settings.tile_width + id.x;
+            let before = get!(FILM)[index as usize];
+            let after = render_pixel::<Buffers>(
+                Buffers { unused: 0u32 },
+                settings,
+                settings.tile_x + id.x,
+                settings.tile_y + id.y,
+                before,
+            );
+            get_mut!(FILM)[index as usize] = after;
+        }
+    }
+}
+
+/// The complete shader.
+///
+/// # Errors
+/// If the kernels use something that cannot be written in WGSL; the tests exclude it.
+pub(super) fn source() -> Result<String, String> {
+    super::assemble::assemble(&kernel::WGSL_SOURCE)
+}
+
+#[cfg(test)]
+mod tests {
+    /// The WGSL that the graphics card runs is kept as a file, so that a reader sees it and a change of the
+    /// translator shows as a difference. Set `SUNSHINE_BLESS=1` to accept a change.
+    #[test]
+    fn emitted_wgsl_matches_the_reviewed_snapshot() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/gpu/path_tracer.wgsl");
+        let source = super::source().unwrap();
+        if std::env::var_os("SUNSHINE_BLESS").is_some() {
+            std::fs::write(path, &source).unwrap();
+        }
+        let reviewed = std::fs::read_to_string(path).unwrap_or_default();
+        assert!(
+            source == reviewed,
+            "the emitted WGSL differs from {path}; review it with SUNSHINE_BLESS=1 and git diff"
+        );
+    }
+}
