@@ -4,7 +4,7 @@ use groimp::ReadError;
 use render::{CompileError, DeviceError, PictureError};
 use std::error::Error;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Why a command did not do what it should.
@@ -18,8 +18,8 @@ pub enum Failure {
     Read {
         /// The scene file.
         path: PathBuf,
-        /// What the reader says.
-        source: ReadError,
+        /// What the reader says; boxed because it is large.
+        source: Box<ReadError>,
     },
     /// The scene was read but cannot be rendered.
     #[error("the scene cannot be rendered")]
@@ -52,6 +52,11 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// For `map_err` after reading `path`.
+    pub fn reading(path: &Path) -> impl FnOnce(ReadError) -> Self {
+        move |error| Failure::Read { path: path.to_owned(), source: Box::new(error) }
+    }
+
     /// 2 for a wrong command line, 1 for everything else.
     pub fn exit_code(&self) -> ExitCode {
         match self {

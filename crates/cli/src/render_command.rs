@@ -22,7 +22,7 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     // A device that is not there is told before a large scene is read.
     let device = timed(&mut seconds.open, || render::open_device(arguments.device, threads))?;
     let project = timed(&mut seconds.read, || groimp::read(&arguments.scene))
-        .map_err(|source| Failure::Read { path: arguments.scene.clone(), source })?;
+        .map_err(Failure::reading(&arguments.scene))?;
     messages.report(&project.report);
     let scene = Arc::new(timed(&mut seconds.compile, || render::compile(&project.scene))?);
     let loaded = timed(&mut seconds.upload, || device.load(Arc::clone(&scene)))?;
