@@ -1,14 +1,16 @@
 //! What can be said on the command line.
 
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use render::{DeviceChoice, PictureFormat, RenderSettings};
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// Makes physically based pictures of GroIMP plant models.
 #[derive(Debug, Parser)]
-#[command(name = "sunshine", version, arg_required_else_help = true, propagate_version = true)]
+#[command(name = "sunshine", version, arg_required_else_help = true)]
+#[command(max_term_width = 100)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -32,9 +34,9 @@ pub struct RenderArguments {
     /// GroIMP project: a .gsz file, or an unpacked project's folder, project.gs or graph.xml
     pub scene: PathBuf,
 
-    /// Picture to write: .png to look at, .exr to measure in. [default: the scene's name with .png, in the
+    /// Picture to write: .png to look at, .exr to measure in [default: the scene's name with .png, in the
     /// current folder]
-    #[arg(short, long, value_name = "FILE", value_parser = parse_output)]
+    #[arg(short, long, value_name = "FILE", value_parser = picture_path())]
     pub output: Option<PathBuf>,
 
     /// Width and height of the picture in pixels
@@ -166,9 +168,9 @@ fn parse_exposure(text: &str) -> Result<f32, String> {
     stops.ok_or_else(|| format!("expected a number of stops from -{LIMIT} to {LIMIT}, for example -1.5"))
 }
 
-fn parse_output(text: &str) -> Result<PathBuf, String> {
-    PictureFormat::from_path(Path::new(text)).map_err(|error| error.to_string())?;
-    Ok(text.into())
+/// A parser of file names that takes pictures alone.
+fn picture_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| PictureFormat::from_path(&path).map(|_| path))
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! What is told on standard error while the work goes on.
 
 use groimp::Report;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use std::fmt;
 use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -97,8 +98,15 @@ impl Drop for RenderProgress {
 }
 
 fn progress_bar(total: u64) -> ProgressBar {
-    let style = ProgressStyle::with_template("rendering {wide_bar} {percent:>3} %, {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    let style = ProgressStyle::with_template("rendering {wide_bar} {percent:>3} %{left}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .with_key("left", |state: &ProgressState, text: &mut dyn fmt::Write| {
+            // Before the first report there is nothing to reckon from.
+            if state.pos() > 0 {
+                // A bar with a piece missing is no reason to stop.
+                let _ = write!(text, ", {} left", HumanDuration(state.eta()));
+            }
+        });
     let bar = ProgressBar::new(total).with_style(style);
     // A slow device reports seldom; the time left counts down in between.
     bar.enable_steady_tick(Duration::from_millis(500));

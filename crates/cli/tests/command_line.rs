@@ -93,7 +93,11 @@ fn one_name_for_two_outputs_is_wrong_usage() {
 fn an_output_that_cannot_be_written_is_refused_before_the_scene_is_looked_for() {
     let lost = Path::new("no-such-folder").join("picture.png");
     let lost = lost.to_str().unwrap();
-    assert_fails(&["render", "missing.gsz", "-o", lost], 1, &[lost, "because: "]);
+    assert_fails(
+        &["render", "missing.gsz", "-o", lost],
+        1,
+        &[lost, "because: there is no folder no-such-folder"],
+    );
     assert_fails(&["render", "missing.gsz", "--stats", "no-such-folder/s.json"], 1, &["s.json", "because: "]);
 }
 
@@ -132,7 +136,10 @@ fn a_closed_pipe_is_no_failure() {
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+    // Not "is empty": graphics drivers may have something to say.
+    for word in ["panicked", "because"] {
+        assert!(!text(&output.stderr).contains(word), "{}", text(&output.stderr));
+    }
 }
 
 #[test]

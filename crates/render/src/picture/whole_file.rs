@@ -39,7 +39,7 @@ fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not the name of a file"));
     }
     if path.is_dir() {
-        return Err(io::Error::new(io::ErrorKind::IsADirectory, "there is a directory of that name"));
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "there is a folder of that name"));
     }
     // The directory of a bare file name is the empty path.
     let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -51,7 +51,18 @@ fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
         // Temporary files are private as a rule; this one becomes an ordinary file.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(directory)
+    builder.tempfile_in(directory).map_err(|error| {
+        // Nobody asked for the temporary file, so the common reasons are told without its name.
+        let reason = match error.kind() {
+            io::ErrorKind::NotFound => format!("there is no folder {}", directory.display()),
+            io::ErrorKind::NotADirectory => format!("{} is not a folder", directory.display()),
+            io::ErrorKind::PermissionDenied => {
+                format!("no new files are allowed in the folder {}", directory.display())
+            }
+            _ => return error,
+        };
+        io::Error::new(error.kind(), reason)
+    })
 }
 
 #[cfg(test)]
