@@ -120,7 +120,7 @@ fn moved(scene: &Scene, motion: DAffine3, power: f64) -> Scene {
             *p = p.map(|p| p * power);
         }
     }
-    scene.camera.view_from_world = scene.camera.view_from_world * motion.inverse();
+    scene.camera.view_from_world *= motion.inverse();
     scene
 }
 
