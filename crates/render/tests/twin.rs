@@ -56,7 +56,7 @@ pub mod probes {
                 row1: vec4f(b.x * s.y, b.y * s.y, b.z * s.y, t.y),
                 row2: vec4f(c.x * s.z, c.y * s.z, c.z * s.z, t.z),
             },
-            kind: kind,
+            kind,
             material: 0,
             base_radius: 1.0,
             top_radius: r.w,
@@ -82,7 +82,7 @@ pub mod probes {
         let v = normalize(cross(u, random_direction(index, 26)));
         LightRecord {
             position: random_point(index, 27),
-            kind: kind,
+            kind,
             axis: cross(u, v),
             shadowless: 0,
             emission: vec3f(3.0, 2.0, 1.0),

@@ -4,9 +4,9 @@
 
 use wgsl_rs::wgsl;
 
-// Rust never calls the entry point; the graphics card does.
+// Rust never calls the entry point; the graphics card does. The whole is validated where it is joined.
 #[allow(dead_code)]
-#[wgsl]
+#[wgsl(skip_validation)]
 pub mod kernel {
     use kernels::path::kernel::*;
     use kernels::records::kernel::*;
