@@ -15,6 +15,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    quieten_drivers();
     // Ends the process for wrong usage (2), --help and --version (0).
     let arguments = Arguments::parse();
     match answer(arguments).and_then(|text| print(&text)) {
@@ -24,6 +25,15 @@ fn main() -> ExitCode {
             let _ = io::stderr().write_all(failure.explanation().as_bytes());
             failure.exit_code()
         }
+    }
+}
+
+/// Keeps Mesa from asking the desktop which graphics card it uses where there is no desktop: on a server that only
+/// prints complaints between our own messages.
+fn quieten_drivers() {
+    if cfg!(target_os = "linux") && std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: called first in `main`; no other thread exists that could read the environment meanwhile.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     }
 }
 

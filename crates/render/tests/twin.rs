@@ -4,8 +4,10 @@
 
 mod common;
 
+use common::garden::garden;
 use common::*;
 use kernels::records::kernel::FilmPixel;
+use render::RenderSettings;
 use scene::{DVec3, LightKind, Shape};
 use wgpu::util::DeviceExt;
 use wgsl_rs::wgsl;
@@ -258,9 +260,33 @@ fn run_wgsl(
     bytemuck::pod_collect_to_vec(&view[..])
 }
 
-#[test]
-fn whole_pictures_agree_within_their_noise() {
+/// Renders on both devices and compares pixel by pixel and in the mean.
+fn assert_same_picture(scene: &scene::Scene, settings: &RenderSettings) {
     let Some(gpu) = gpu() else { return };
+    let cpu = render(scene, settings);
+    let gpu = render_on(&gpu, scene, settings);
+    assert_eq!(cpu.samples(), gpu.samples());
+    // The same random numbers: most pixels agree to rounding, some paths take another turn.
+    let far = |a: &FilmPixel, b: &FilmPixel| {
+        (a.radiance.x - b.radiance.x).abs() > 1e-3 * (a.radiance.x.abs() + 1e-3)
+    };
+    let different = cpu.pixels.iter().zip(&gpu.pixels).filter(|(a, b)| far(a, b)).count();
+    assert!(different * 10 < cpu.pixels.len(), "{different} of {} pixels differ", cpu.pixels.len());
+    // And the means agree within the noise that both predict.
+    let ((mean_cpu, error_cpu), (mean_gpu, error_gpu)) = (mean_and_error(&cpu), mean_and_error(&gpu));
+    for c in 0..3 {
+        let error = error_cpu[c].hypot(error_gpu[c]);
+        assert!((mean_cpu[c] - mean_gpu[c]).abs() < 5.0 * error, "{mean_cpu:?} {mean_gpu:?}");
+    }
+}
+
+#[test]
+fn a_garden_of_all_shapes_and_cut_out_leaves_is_the_same_picture() {
+    assert_same_picture(&garden(), &settings(80, 60, 16, 4));
+}
+
+#[test]
+fn many_lights_are_the_same_picture() {
     let mut b = Builder::new();
     let ground = b.diffuse([0.5, 0.4, 0.3]);
     let red = b.diffuse([0.8, 0.2, 0.2]);
@@ -278,20 +304,5 @@ fn whole_pictures_agree_within_their_noise() {
     b.look(DVec3::new(0.0, -5.0, 3.0), DVec3::ZERO, DVec3::Z, 50.0);
 
     // 200 pixels wide, so that the software adapter needs more than one tile.
-    let settings = settings(200, 72, 16, 4);
-    let cpu = render(&b.scene, &settings);
-    let gpu = render_on(&gpu, &b.scene, &settings);
-    assert_eq!(cpu.samples(), gpu.samples());
-    // The same random numbers: most pixels agree to rounding.
-    let far = |a: &FilmPixel, b: &FilmPixel| {
-        (a.radiance.x - b.radiance.x).abs() > 1e-3 * (a.radiance.x.abs() + 1e-3)
-    };
-    let different = cpu.pixels.iter().zip(&gpu.pixels).filter(|(a, b)| far(a, b)).count();
-    assert!(different * 10 < cpu.pixels.len(), "{different} of {} pixels differ", cpu.pixels.len());
-    // And the means agree within the noise that both predict.
-    let ((mean_cpu, error_cpu), (mean_gpu, error_gpu)) = (mean_and_error(&cpu), mean_and_error(&gpu));
-    for c in 0..3 {
-        let error = error_cpu[c].hypot(error_gpu[c]);
-        assert!((mean_cpu[c] - mean_gpu[c]).abs() < 5.0 * error, "{mean_cpu:?} {mean_gpu:?}");
-    }
+    assert_same_picture(&b.scene, &settings(200, 72, 16, 4));
 }

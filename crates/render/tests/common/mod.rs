@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test file uses a part")]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the failure report")]
 
+pub mod garden;
+
 use render::gpu::Gpu;
 use render::{
     Acceleration, ControlFlow, Device, DeviceChoice, Film, RenderSettings, compile, compile_with, list_gpus,
