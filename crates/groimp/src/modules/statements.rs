@@ -1,7 +1,7 @@
 //! Runs the statements of initialisers, with-blocks and constructors as far as they need no running model.
 
 use super::declarations::File;
-use super::instances::{Instance, Level};
+use super::instances::{Instance, Level, Mode};
 use super::values::{Failure, Value, property_of_setter, set_property};
 use std::ops::Range;
 
@@ -48,7 +48,8 @@ impl<'a> Instance<'a> {
     fn statement(&mut self, level: &Level<'a>, range: Range<usize>) {
         let file = self.file(level);
         let Range { mut start, end } = range;
-        while matches!(file.word(start), Some("this" | "super")) && file.is(start + 1, ".") {
+        let node = |word: &str| matches!(word, "this" | "super") || self.label == Some(word);
+        while file.word(start).is_some_and(node) && file.is(start + 1, ".") {
             start += 2;
         }
         let word = file.word(start).unwrap_or_default();
@@ -102,8 +103,15 @@ impl<'a> Instance<'a> {
             return self.note(level, at, &format!("the call of '{method}' is not evaluated"));
         };
         // A rotation becomes a fresh object in `transform`, which files always contain.
-        if matches!(property.as_str(), "name" | "rotation") {
+        if property == "name" || (property == "rotation" && self.mode == Mode::Representative) {
             return;
+        }
+        if property == "rotation" {
+            return self.note(level, at, "the call of 'setRotation' is not evaluated");
+        }
+        // A body has no effect on its own node, which is drawn already.
+        if self.mode == Mode::Block {
+            return self.note(level, at, &format!("the call of '{method}' is not evaluated"));
         }
         let range = self.file(level).inside(at + 1);
         let mut values = Vec::new();
