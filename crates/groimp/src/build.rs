@@ -11,9 +11,9 @@ use crate::output::Output;
 use crate::shaders::{GRAY, ShaderSource, Shaders};
 use crate::shapes::{self, Geometry};
 use crate::transform::{self, Frames};
-use crate::turtle_state::{Attribute, EGA_COLORS, StateCommand, TurtleState};
+use crate::turtle_state::{EGA_COLORS, StateCommand, TurtleState, initial_turtle_state};
 use crate::types::Types;
-use crate::values::{Kind, parse_number};
+use crate::values::Kind;
 use crate::view::View;
 use glam::{DAffine3, DVec3};
 use scene::{Light, MaterialId, Object, Origin, Sky};
@@ -399,21 +399,4 @@ struct Site {
     node: NodeIndex,
     class: Class,
     frames: Frames,
-}
-
-/// The state that RGGRoot sets: that of the first model class in the file which stores one.
-fn initial_turtle_state(graph: &Graph) -> Result<TurtleState, ReadError> {
-    let mut state = TurtleState::default();
-    let stored = graph.nodes.iter().find_map(|node| graph.values.find(node.fields, "initialTurtleState"));
-    let Some(stored) = stored else { return Ok(state) };
-    let number = |name: &str, default: f64| match graph.values.find(stored.members, name) {
-        Some(value) => parse_number(value.text())
-            .ok_or_else(|| crate::fields::wrong_value(graph, value, "initialTurtleState", name, "a number")),
-        None => Ok(default),
-    };
-    state.length = Attribute::new(number("length", state.length.main)?);
-    state.diameter = Attribute::new(number("diameter", state.diameter.main)?);
-    state.tropism = Attribute::new(number("tropism", state.tropism.main)?);
-    state.color = Attribute::new(number("color", state.color.main as f64)?.round() as i64);
-    Ok(state)
 }

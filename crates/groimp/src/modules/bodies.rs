@@ -5,8 +5,9 @@
 
 use super::declarations::File;
 use super::expressions::Meter;
-use super::instances::{Instance, Level, Mode};
+use super::instances::{Instance, Level};
 use super::loops::Loop;
+use super::statements::Mode;
 use super::values::{Failure, Value};
 use super::{Chain, Class, Place, Problem, Sources, StaticValue};
 use std::collections::BTreeMap;
@@ -183,6 +184,7 @@ impl<'a> Reader<'a> {
             return Ok(after);
         }
         if file.is(at, "{") {
+            self.spend(at, file.inside(at).len())?;
             self.own.run(self.level, file.inside(at), &[";", "}"]);
             return self.own.notes.first().cloned().map_or(Ok(after), Err);
         }
@@ -247,7 +249,11 @@ impl<'a> Reader<'a> {
                     at = file.after(at + 1);
                     continue;
                 }
-                Some(_) => at = self.extent(at).after,
+                Some(_) => {
+                    let after = self.extent(at).after;
+                    self.spend(at, after - at)?;
+                    at = after;
+                }
                 None => at = if file.is_open(at) { file.after(at) } else { at + 1 },
             }
             if choices == 0 || at >= end || file.word(at) != Some("else") {
@@ -286,6 +292,8 @@ impl<'a> Reader<'a> {
         if name.is_empty() || after > end {
             return self.failure(at, "the name of a class is missing");
         }
+        // Long names and type parameters take time as well.
+        self.spend(at, after - at)?;
         if self.nodes.len() >= self.most_nodes {
             return self.failure(at, "the body makes too many nodes");
         }

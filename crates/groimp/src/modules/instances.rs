@@ -8,6 +8,7 @@
 use super::builtins::{self, Target};
 use super::declarations::{Declaration, File, Member};
 use super::expressions::{Meter, Scope};
+use super::statements::Mode;
 use super::values::{Evaluated, Failure, Value};
 use super::{Problem, Sources, StaticShader, StaticValue};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -25,21 +26,6 @@ pub(super) struct Level<'a> {
 /// Values for the parameters of a constructor, with the places where they are given. Empty for a call
 /// without arguments.
 pub(super) type Arguments = Vec<(Range<usize>, Evaluated)>;
-
-/// What an instance is made for, and which code is being run on it.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Mode {
-    /// The object that files compare with: what files always contain need not be known.
-    Representative,
-    /// A node of a body is constructed; all of it has to be known.
-    Fresh,
-    /// The with-block of a node of a body: the variables are those of the body, all else is the node's.
-    With,
-    /// A block in braces behind a node of a body, which may assign to variables of the body as well.
-    Braces,
-    /// A block of the body on its own.
-    Block,
-}
 
 pub(super) struct Instance<'a> {
     sources: &'a Sources,

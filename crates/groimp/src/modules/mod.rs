@@ -22,7 +22,8 @@ mod values;
 
 use declarations::{Constant, Declaration, File};
 use expressions::Meter;
-use instances::{Instance, Level, Mode};
+use instances::{Instance, Level};
+use statements::Mode;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 

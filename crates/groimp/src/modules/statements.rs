@@ -1,9 +1,24 @@
 //! Runs the statements of initialisers, with-blocks and constructors as far as they need no running model.
 
 use super::declarations::File;
-use super::instances::{Instance, Level, Mode};
+use super::instances::{Instance, Level};
 use super::values::{Failure, Value, property_of_setter, set_property};
 use std::ops::Range;
+
+/// What an instance is made for, and which code is being run on it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// The object that files compare with: what files always contain need not be known.
+    Representative,
+    /// A node of a body is constructed; all of it has to be known.
+    Fresh,
+    /// The with-block of a node of a body: the variables are those of the body, all else is the node's.
+    With,
+    /// A block in braces behind a node of a body, which may assign to variables of the body as well.
+    Braces,
+    /// A block of the body on its own.
+    Block,
+}
 
 impl<'a> Instance<'a> {
     /// Runs the statements in a range. The blocks in it are run like their surroundings.
