@@ -1,18 +1,19 @@
 //! From the graph to the scene: depth-first along the tree edges, with an explicit stack.
 
 use crate::ReadError;
+use crate::body::Bodies;
 use crate::classes::{Amount, AxisShape, Class, Skip};
 use crate::fields::{Field, Fields};
 use crate::graph::{Graph, Node, NodeIndex};
 use crate::lights::{self, LightValue};
-use crate::modules::StaticValue;
+use crate::modules::{Sources, StaticValue};
 use crate::output::Output;
 use crate::shaders::{GRAY, ShaderSource, Shaders};
 use crate::shapes::{self, Geometry};
 use crate::transform::{self, Frames};
-use crate::turtle_state::{Attribute, EGA_COLORS, StateCommand, TurtleState};
+use crate::turtle_state::{EGA_COLORS, StateCommand, TurtleState, initial_turtle_state};
 use crate::types::Types;
-use crate::values::{Kind, parse_number};
+use crate::values::Kind;
 use crate::view::View;
 use glam::{DAffine3, DVec3};
 use scene::{Light, MaterialId, Object, Origin, Sky};
@@ -30,10 +31,17 @@ pub struct DrawnFrames {
 
 /// What a node inherits from its parent.
 #[derive(Clone, Copy)]
-struct Inherited {
-    frame: DAffine3,
+pub(crate) struct Inherited {
+    pub frame: DAffine3,
     state: TurtleState,
     material: MaterialId,
+}
+
+/// What a node hands on.
+pub(crate) struct Placed {
+    pub for_children: Inherited,
+    /// What the content of its body starts with.
+    pub for_body: Inherited,
 }
 
 /// A node on the path from the root to the current one.
@@ -55,6 +63,8 @@ pub(crate) struct Builder<'a> {
     pub graph: &'a Graph,
     pub view: &'a View,
     pub types: &'a Types,
+    pub sources: &'a Sources,
+    pub bodies: Bodies,
     pub shaders: Shaders<'a>,
     pub out: Output,
     pub frames: Vec<DrawnFrames>,
@@ -67,11 +77,13 @@ impl<'a> Builder<'a> {
         graph: &'a Graph,
         view: &'a View,
         types: &'a Types,
+        sources: &'a Sources,
         shaders: Shaders<'a>,
         out: Output,
     ) -> Self {
         let initial = TurtleState::default();
-        Builder { graph, view, types, shaders, out, frames: Vec::new(), initial, has_light: false }
+        let (bodies, frames) = (Bodies::default(), Vec::new());
+        Builder { graph, view, types, sources, bodies, shaders, out, frames, initial, has_light: false }
     }
 
     /// Draws everything that hangs below the root of the main graph.
@@ -127,43 +139,57 @@ impl<'a> Builder<'a> {
         self.out.report.warn(message, self.graph.location(node.line));
     }
 
-    /// Draws one node and tells what its children inherit.
+    /// Draws one node of the file, with its body, and tells what its children inherit.
     fn node(&mut self, node: NodeIndex, inherited: Inherited) -> Result<Inherited, ReadError> {
         let Node { type_name, line, .. } = *self.graph.node(node);
         let Some(node_type) = self.types.get(type_name) else { return Ok(inherited) };
-        let location = self.graph.location(line);
-        node_type.report(location.clone(), &mut self.out.report);
-        let fields = Fields { graph: self.graph, node, defaults: &node_type.defaults };
-        let class = node_type.class;
+        node_type.report(self.graph.location(line), &mut self.out.report);
+        let fields = Fields { graph: self.graph, node, in_file: true, defaults: &node_type.defaults };
+        let placed = self.place(node_type.class, &fields, inherited)?;
+        if let Some(module) = node_type.body {
+            self.draw_body(module, &fields, placed.for_body)?;
+        }
+        Ok(placed.for_children)
+    }
+
+    /// Draws a node of the file or of a body.
+    pub fn place(
+        &mut self,
+        class: Class,
+        fields: &Fields<'_>,
+        inherited: Inherited,
+    ) -> Result<Placed, ReadError> {
+        let node = fields.node;
+        let location = self.graph.location(self.graph.node(node).line);
         let Inherited { frame, mut state, mut material } = inherited;
         if class == Class::RggRoot {
             state = self.initial;
         }
-        let (frames, oddity) = transform::frames(class, &fields, frame, &state)?;
+        let (frames, oddity) = transform::frames(class, fields, frame, &state)?;
         if let Some(oddity) = oddity {
             let message = format!("{}: {oddity}", self.graph.type_name(node));
             self.out.report.warn(message, location);
         }
         if class.has_shader() {
-            material = self.shader_field(&fields)?.unwrap_or(material);
+            material = self.shader_field(fields)?.unwrap_or(material);
         }
         let site = Site { node, class, frames };
         match class {
-            Class::Shoot(amount) => material = self.shoot(&site, &fields, amount, &mut state, material)?,
+            Class::Shoot(amount) => material = self.shoot(&site, fields, amount, &mut state, material)?,
             Class::State(command) => {
-                (state, material) = self.state_command(command, &fields, &state, material)?;
+                (state, material) = self.state_command(command, fields, &state, material)?;
             }
             Class::Gravity(Amount::State | Amount::Mul) => state.tropism.local = state.tropism.main,
-            Class::LightNode => self.light(&site, &fields)?,
-            Class::Sky => self.sky(&site, &fields, material)?,
-            Class::Sphere => self.draw(&site, &fields, shapes::sphere(&fields)?, material)?,
+            Class::LightNode => self.light(&site, fields)?,
+            Class::Sky => self.sky(&site, fields, material)?,
+            Class::Sphere => self.draw(&site, fields, shapes::sphere(fields)?, material)?,
             Class::Plane => {
                 let shape = scene::Shape::Plane;
                 let geometry = Geometry { shape, own_from_object: DAffine3::IDENTITY };
-                self.draw(&site, &fields, Some(geometry), material)?;
+                self.draw(&site, fields, Some(geometry), material)?;
             }
             Class::Axis(shape) => {
-                self.draw(&site, &fields, shapes::axis_shape(shape, &fields)?, material)?;
+                self.draw(&site, fields, shapes::axis_shape(shape, fields)?, material)?;
             }
             Class::Line => self.skip(node, Skip::NotVisible.reason()),
             Class::Skipped(skip) => self.skip(node, skip.reason()),
@@ -183,7 +209,9 @@ impl<'a> Builder<'a> {
             | Class::Orthogonal
             | Class::UnknownTurn => {}
         }
-        Ok(Inherited { frame: frames.post, state, material })
+        let for_children = Inherited { frame: frames.post, state, material };
+        // Which turtle state a body starts with is unverified.
+        Ok(Placed { for_children, for_body: Inherited { frame: frames.own, ..for_children } })
     }
 
     fn skip(&mut self, node: NodeIndex, reason: &str) {
@@ -191,7 +219,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The node's own shader; `None` means: inherit.
-    fn shader_field(&mut self, fields: &Fields<'a>) -> Result<Option<MaterialId>, ReadError> {
+    fn shader_field(&mut self, fields: &Fields<'_>) -> Result<Option<MaterialId>, ReadError> {
         let source = match fields.get("shader") {
             Field::File(value) => ShaderSource::Value(value),
             Field::Module(StaticValue::Shader(shader)) => ShaderSource::Module(shader),
@@ -203,7 +231,7 @@ impl<'a> Builder<'a> {
     fn shoot(
         &mut self,
         site: &Site,
-        fields: &Fields<'a>,
+        fields: &Fields<'_>,
         amount: Amount,
         state: &mut TurtleState,
         inherited: MaterialId,
@@ -239,7 +267,7 @@ impl<'a> Builder<'a> {
     fn state_command(
         &mut self,
         command: StateCommand,
-        fields: &Fields<'a>,
+        fields: &Fields<'_>,
         state: &TurtleState,
         inherited: MaterialId,
     ) -> Result<(TurtleState, MaterialId), ReadError> {
@@ -260,7 +288,7 @@ impl<'a> Builder<'a> {
     fn draw(
         &mut self,
         site: &Site,
-        fields: &Fields<'a>,
+        fields: &Fields<'_>,
         geometry: Option<Geometry>,
         material: MaterialId,
     ) -> Result<(), ReadError> {
@@ -310,7 +338,7 @@ impl<'a> Builder<'a> {
     }
 
     /// A light shines also when its layer is hidden (unverified).
-    fn light(&mut self, site: &Site, fields: &Fields<'a>) -> Result<(), ReadError> {
+    fn light(&mut self, site: &Site, fields: &Fields<'_>) -> Result<(), ReadError> {
         match lights::light(fields)? {
             LightValue::None => {}
             LightValue::Skipped(class, reason) => self.out.report.skip(&class, reason),
@@ -327,8 +355,12 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    fn sky(&mut self, site: &Site, fields: &Fields<'a>, material: MaterialId) -> Result<(), ReadError> {
-        let class = self.graph.field(site.node, "shader").and_then(|v| match v.kind {
+    fn sky(&mut self, site: &Site, fields: &Fields<'_>, material: MaterialId) -> Result<(), ReadError> {
+        let class = match fields.get("shader") {
+            Field::File(v) => Some(v),
+            Field::Module(_) | Field::Missing => None,
+        };
+        let class = class.and_then(|v| match v.kind {
             Kind::Ref => {
                 v.text().parse().ok().and_then(|id| self.graph.by_id(id)).map(|i| self.graph.type_name(i))
             }
@@ -367,21 +399,4 @@ struct Site {
     node: NodeIndex,
     class: Class,
     frames: Frames,
-}
-
-/// The state that RGGRoot sets: that of the first model class in the file which stores one.
-fn initial_turtle_state(graph: &Graph) -> Result<TurtleState, ReadError> {
-    let mut state = TurtleState::default();
-    let stored = graph.nodes.iter().find_map(|node| graph.values.find(node.fields, "initialTurtleState"));
-    let Some(stored) = stored else { return Ok(state) };
-    let number = |name: &str, default: f64| match graph.values.find(stored.members, name) {
-        Some(value) => parse_number(value.text())
-            .ok_or_else(|| crate::fields::wrong_value(graph, value, "initialTurtleState", name, "a number")),
-        None => Ok(default),
-    };
-    state.length = Attribute::new(number("length", state.length.main)?);
-    state.diameter = Attribute::new(number("diameter", state.diameter.main)?);
-    state.tropism = Attribute::new(number("tropism", state.tropism.main)?);
-    state.color = Attribute::new(number("color", state.color.main as f64)?.round() as i64);
-    Ok(state)
 }

@@ -15,7 +15,10 @@ pub(crate) type Defaults = HashMap<String, StaticValue>;
 #[derive(Clone, Copy)]
 pub(crate) struct Fields<'a> {
     pub graph: &'a Graph,
+    /// The node, or the one in whose body this one is.
     pub node: NodeIndex,
+    /// Whether the node is in the file; those of bodies are not.
+    pub in_file: bool,
     pub defaults: &'a Defaults,
 }
 
@@ -29,7 +32,8 @@ pub(crate) enum Field<'a> {
 
 impl<'a> Fields<'a> {
     pub fn get(&self, name: &str) -> Field<'a> {
-        match (self.graph.field(self.node, name), self.defaults.get(name)) {
+        let stored = if self.in_file { self.graph.field(self.node, name) } else { None };
+        match (stored, self.defaults.get(name)) {
             (Some(value), _) => Field::File(value),
             (None, Some(value)) => Field::Module(value),
             (None, None) => Field::Missing,

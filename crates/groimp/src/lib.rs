@@ -6,6 +6,7 @@
 //! errors, with file and line. No recursion depends on the input, so chains of any depth can be read.
 
 mod archive;
+mod body;
 mod build;
 mod channels;
 mod classes;
@@ -89,7 +90,7 @@ fn read_all(path: &Path, limits: Limits) -> Result<(Project, Vec<DrawnFrames>), 
     let view = read_view(&archive, &registry, &mut report);
     let types = Types::new(&graph, &sources);
     let shaders = Shaders::new(&graph, &registry, Images::new(archive));
-    let mut builder = Builder::new(&graph, &view, &types, shaders, Output::with_report(report));
+    let mut builder = Builder::new(&graph, &view, &types, &sources, shaders, Output::with_report(report));
     builder.build()?;
     let Builder { out: Output { scene, report, .. }, frames, .. } = builder;
     Ok((Project { scene, report }, frames))

@@ -82,11 +82,14 @@ impl<'a> Shaders<'a> {
     }
 
     /// The material; `None` if the shader is null, which means: inherit.
-    pub fn resolve(
+    pub fn resolve<'s>(
         &mut self,
-        source: ShaderSource<'a>,
+        source: ShaderSource<'s>,
         out: &mut Output,
-    ) -> Result<Option<MaterialId>, ReadError> {
+    ) -> Result<Option<MaterialId>, ReadError>
+    where
+        'a: 's,
+    {
         let mut source = source;
         let mut node = None;
         for _ in 0..LONGEST_CHAIN {
@@ -116,7 +119,10 @@ impl<'a> Shaders<'a> {
         Ok(Some(self.predefined(GRAY, out)))
     }
 
-    fn value(&mut self, value: &'a Value, out: &mut Output) -> Result<Step<'a>, ReadError> {
+    fn value<'s>(&mut self, value: &'s Value, out: &mut Output) -> Result<Step<'s>, ReadError>
+    where
+        'a: 's,
+    {
         let target = match value.kind {
             Kind::Null => return Ok(Step::Done(None)),
             Kind::Ref => value.text().parse().ok().and_then(|id| self.graph.by_id(id)),
@@ -156,14 +162,17 @@ impl<'a> Shaders<'a> {
     }
 
     /// A shader by its class and fields, whether it is a node or a value.
-    fn class(
+    fn class<'s>(
         &mut self,
         class: &str,
         fields: Members,
-        value: Option<&'a Value>,
+        value: Option<&'s Value>,
         line: usize,
         out: &mut Output,
-    ) -> Result<Step<'a>, ReadError> {
+    ) -> Result<Step<'s>, ReadError>
+    where
+        'a: 's,
+    {
         let find = |name| self.graph.values.find(fields, name);
         let present = |name| find(name).filter(|v| v.kind != Kind::Null);
         match class.rsplit('.').next().unwrap_or("") {
@@ -209,7 +218,10 @@ impl<'a> Shaders<'a> {
         }
     }
 
-    fn module_shader(&mut self, shader: &'a StaticShader, out: &mut Output) -> Result<Step<'a>, ReadError> {
+    fn module_shader<'s>(&mut self, shader: &'s StaticShader, out: &mut Output) -> Result<Step<'s>, ReadError>
+    where
+        'a: 's,
+    {
         Ok(match shader {
             StaticShader::Predefined(index) => Step::Done(Some(self.predefined(*index, out))),
             StaticShader::Rgba(color) => Step::Done(Some(self.rgba(*color, out))),

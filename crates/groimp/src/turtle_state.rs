@@ -1,5 +1,9 @@
 //! What turtle commands hand down to their descendants.
 
+use crate::ReadError;
+use crate::fields::wrong_value;
+use crate::graph::Graph;
+use crate::values::parse_number;
 use scene::MaterialId;
 
 /// Number of EGA colours.
@@ -146,6 +150,23 @@ impl StateCommand {
         };
         if self.local { Attribute { main: old.main, local: new } } else { Attribute::new(new) }
     }
+}
+
+/// The state that RGGRoot sets: that of the first model class in the file which stores one.
+pub(crate) fn initial_turtle_state(graph: &Graph) -> Result<TurtleState, ReadError> {
+    let mut state = TurtleState::default();
+    let stored = graph.nodes.iter().find_map(|node| graph.values.find(node.fields, "initialTurtleState"));
+    let Some(stored) = stored else { return Ok(state) };
+    let number = |name: &str, default: f64| match graph.values.find(stored.members, name) {
+        Some(value) => parse_number(value.text())
+            .ok_or_else(|| wrong_value(graph, value, "initialTurtleState", name, "a number")),
+        None => Ok(default),
+    };
+    state.length = Attribute::new(number("length", state.length.main)?);
+    state.diameter = Attribute::new(number("diameter", state.diameter.main)?);
+    state.tropism = Attribute::new(number("tropism", state.tropism.main)?);
+    state.color = Attribute::new(number("color", state.color.main as f64)?.round() as i64);
+    Ok(state)
 }
 
 #[cfg(test)]

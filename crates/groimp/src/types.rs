@@ -3,7 +3,7 @@
 use crate::classes::Class;
 use crate::fields::Defaults;
 use crate::graph::Graph;
-use crate::modules::{ResolvedModule, Sources};
+use crate::modules::{Place, ResolvedModule, Sources};
 use crate::report::{Location, Report};
 use crate::values::Symbol;
 use std::collections::HashMap;
@@ -11,6 +11,8 @@ use std::collections::HashMap;
 /// What a node type means.
 pub(crate) struct Type {
     pub class: Class,
+    /// The module, if it has a body after `==>`.
+    pub body: Option<Place>,
     /// What missing fields mean, where this differs from the class.
     pub defaults: Defaults,
     /// What nodes of this type lack.
@@ -47,19 +49,22 @@ impl Types {
 
 fn read_type(name: &str, sources: &Sources) -> Type {
     if let Some(class) = Class::of(name) {
-        return Type { class, defaults: Defaults::new(), notes: Vec::new() };
+        return Type { class, body: None, defaults: Defaults::new(), notes: Vec::new() };
     }
     match sources.resolve(name) {
-        Some(module) => module_type(name, module),
+        Some(module) => {
+            let body = sources.place(name).filter(|_| module.has_body);
+            module_type(name, module, body)
+        }
         None => {
             let message =
                 format!("the type '{name}' is not known; its nodes draw nothing, what is below them is kept");
-            Type { class: Class::Plain, defaults: Defaults::new(), notes: vec![(message, None)] }
+            Type { class: Class::Plain, body: None, defaults: Defaults::new(), notes: vec![(message, None)] }
         }
     }
 }
 
-fn module_type(name: &str, module: ResolvedModule) -> Type {
+fn module_type(name: &str, module: ResolvedModule, body: Option<Place>) -> Type {
     let (file, line) = module.declared_at;
     let declared = Some(Location { file, line });
     let mut notes = Vec::new();
@@ -69,13 +74,9 @@ fn module_type(name: &str, module: ResolvedModule) -> Type {
         notes.push((message, declared.clone()));
         Class::Plain
     });
-    if module.has_body {
-        let message = format!("module {name}: its body after ==> is not evaluated and not drawn");
-        notes.push((message, declared.clone()));
-    }
     for problem in module.unresolved {
         notes.push((format!("module {name}: {problem}"), declared.clone()));
     }
     let defaults = module.defaults.into_iter().map(|default| (default.field, default.value)).collect();
-    Type { class, defaults, notes }
+    Type { class, body, defaults, notes }
 }

@@ -26,10 +26,11 @@ struct Expected {
     /// Lights in the file; without one the default light is added.
     lights: usize,
     skipped: &'static [(&'static str, usize)],
+    /// Instances whose bodies are not drawn.
     bodies: usize,
 }
 
-/// Counted in the graph files with `grep -c 'type="..."'`.
+/// Counted in the graph files with `grep -c 'type="..."'`, and what bodies make in the sources.
 const EXPECTED: &[Expected] = &[
     Expected {
         project: "Example07.gsz",
@@ -48,13 +49,20 @@ const EXPECTED: &[Expected] = &[
     },
     Expected {
         project: "LightTest.gsz",
-        objects: &[("Components$Ground", 1), ("Model$Seed", 6)],
-        images: 0,
+        objects: &[("Components$Ground", 1), ("Components$Wall", 1), ("Model$Seed", 6)],
+        images: 1,
         lights: 1,
         skipped: &[],
-        bodies: 1,
+        bodies: 0,
     },
-    Expected { project: "Mangrove", objects: &[], images: 0, lights: 0, skipped: &[], bodies: 3 },
+    Expected {
+        project: "Mangrove",
+        objects: &[("Model$RefTile", 1)],
+        images: 0,
+        lights: 0,
+        skipped: &[],
+        bodies: 2,
+    },
     Expected {
         project: "SensorGridDemo",
         objects: &[("de.grogra.imp3d.objects.Plane", 1)],
@@ -68,19 +76,24 @@ const EXPECTED: &[Expected] = &[
     },
     Expected {
         project: "ShaderTest.gsz",
-        objects: &[("Model$LowerC", 1), ("Model$UpperC", 1)],
+        objects: &[("Model$Frame", 4), ("Model$LowerC", 1), ("Model$TestShader", 1), ("Model$UpperC", 1)],
         images: 0,
         lights: 1,
         skipped: &[],
-        bodies: 2,
+        bodies: 0,
     },
     Expected {
         project: "simple005 root.gsz",
-        objects: &[("de.grogra.turtle.F", 1)],
+        objects: &[
+            ("de.grogra.turtle.F", 1),
+            ("root$RootMeristem", 1),
+            ("root$SoilParticle", 1000),
+            ("root$WaterSource", 1500),
+        ],
         images: 0,
         lights: 0,
         skipped: &[],
-        bodies: 2501,
+        bodies: 0,
     },
     Expected {
         project: "sm09_e10.gsz",
@@ -288,4 +301,37 @@ fn leaves_get_the_shader_that_only_their_source_names() {
     // sm09_e10$Bud: the radius is set by an initialiser and not in the file.
     let bud = scene.objects.iter().find(|o| scene.type_names[o.origin.type_name.index()] == "sm09_e10$Bud");
     assert_eq!(bud.unwrap().shape, scene::Shape::Sphere { radius: 0.2 });
+}
+
+#[test]
+fn bodies_use_the_fields_of_their_instances() {
+    let Some(corpus) = corpus() else { return };
+    let read = |name: &str| groimp::read(&corpus.join(name)).unwrap().scene;
+    let of = |scene: &scene::Scene, name: &str| -> Vec<scene::Object> {
+        let objects = scene.objects.iter();
+        objects.filter(|o| scene.type_names[o.origin.type_name.index()] == name).cloned().collect()
+    };
+    let roots = read("simple005 root.gsz");
+    // radius 0.5 in the file, radius / 50 in the body.
+    let soil = of(&roots, "root$SoilParticle");
+    assert_eq!(soil[0].shape, scene::Shape::Sphere { radius: 0.01 });
+    // level 1: 0.0045 + 1 * 0.006, and RGBAShader(1 - level, 0, level).
+    let water = of(&roots, "root$WaterSource");
+    let scene::Shape::Sphere { radius } = water[0].shape else { panic!("{:?}", water[0]) };
+    assert!((radius - 0.0105).abs() < 1e-9, "{radius}");
+    let blue = scene::Material::Rgba { color: [0.0, 0.0, 1.0], opacity: 1.0 };
+    assert_eq!(roots.materials[water[0].material.index()], blue);
+    let shaders = read("ShaderTest.gsz");
+    // opening 0.05: four boxes of width 0.45, a quarter away from the axis on all sides.
+    let frame = of(&shaders, "Model$Frame");
+    for (object, [x, y]) in frame.iter().zip([[0.25, 0.0], [0.0, 0.25], [-0.25, 0.0], [0.0, -0.25]]) {
+        let scene::Shape::Box { width, height, length } = object.shape else { panic!("{object:?}") };
+        assert!((width - 0.45).abs() < 1e-6 && height == 1.0 && length == 0.001);
+        let centre = object.world_from_object.translation.truncate();
+        assert!((centre - DVec2::new(x, y)).length() < 1e-9, "{centre}");
+    }
+    let [test] = &of(&shaders, "Model$TestShader")[..] else { panic!("not one TestShader") };
+    let scene::Material::Phong(phong) = &shaders.materials[test.material.index()] else { panic!("no Phong") };
+    let diffuse = &shaders.channels[phong.diffuse.unwrap().index()];
+    assert_eq!(diffuse, &scene::Channel::Constant([0.0, 1.0, 0.0]));
 }

@@ -24,7 +24,7 @@ const SOURCE: &[u8] =
     b"// gr\xfcn\nmodule Leaf(float len) extends Parallelogram(len, 1) {{setShader(shader(\"Leaf1\"));}}
 module Bud extends Sphere(0.25);
 module Lost extends Bud {{setShader(shader(\"NoSuchShader\"));}}
-module Body ==> Sphere(1);
+module Body ==> Sphere(random(0, 1));
 ";
 
 const NAMED_PHONG: &str = r#"<node id="94" type="de.grogra.graph.impl.SharedObjectNode">
@@ -90,7 +90,7 @@ fn modules_and_named_shaders() {
     let report = project.report.to_string();
     for expected in [
         "no shader 'NoSuchShader'",
-        "m.rgg:5: module m$Body: its body after ==> is not evaluated",
+        "m.rgg:5: module m$Body: its body after ==> is not drawn",
         "the type 'm$NotDeclared' is not known",
         "the source 'gone.rgg' is not in the project",
     ] {

@@ -42,7 +42,8 @@ pub(super) struct Declaration {
     pub methods: HashSet<String>,
     /// Body of an explicit constructor without parameters.
     pub constructor: Option<Range<usize>>,
-    pub has_body: bool,
+    /// What follows `==>`.
+    pub body: Option<Range<usize>>,
 }
 
 /// A module parameter.

@@ -8,7 +8,8 @@ use super::builtins;
 use super::declarations::{Constant, File};
 use super::lexer::Kind;
 use super::values::{
-    Evaluated, Failure, Value, arithmetic, call, create, property_of_setter, set_property, unknown,
+    Evaluated, Failure, Value, arithmetic, call, compare, create, logic, property_of_setter, set_property,
+    unknown,
 };
 use super::{Sources, StaticChannel, StaticShader};
 use std::cell::Cell;
@@ -18,18 +19,33 @@ use std::ops::Range;
 const DEEPEST: usize = 60;
 const MOST_STEPS: usize = 50_000;
 
-/// What limits the evaluation; one for each resolved module.
-#[derive(Default)]
+/// What limits the evaluation; one for each resolved module and each body.
 pub(super) struct Meter {
+    limit: usize,
     steps: Cell<usize>,
     depth: Cell<usize>,
 }
 
+impl Default for Meter {
+    fn default() -> Self {
+        Meter::new(MOST_STEPS)
+    }
+}
+
 impl Meter {
+    pub fn new(limit: usize) -> Self {
+        Meter { limit, steps: Cell::new(0), depth: Cell::new(0) }
+    }
+
+    /// How much work there was.
+    pub fn steps(&self) -> usize {
+        self.steps.get()
+    }
+
     /// Counts work; false when there was too much of it.
     pub fn spend(&self, steps: usize) -> bool {
         self.steps.set(self.steps.get().saturating_add(steps));
-        self.steps.get() <= MOST_STEPS
+        self.steps.get() <= self.limit
     }
 }
 
@@ -160,7 +176,34 @@ impl Parser<'_> {
 
     fn expression(&mut self) -> Evaluated {
         let scope = self.scope;
-        scope.deeper(|| self.sum())
+        scope.deeper(|| self.disjunction())
+    }
+
+    fn disjunction(&mut self) -> Evaluated {
+        let mut left = self.conjunction()?;
+        while self.is("||") {
+            self.at += 1;
+            left = logic(&left, &self.conjunction()?, |a, b| a || b)?;
+        }
+        Ok(left)
+    }
+
+    fn conjunction(&mut self) -> Evaluated {
+        let mut left = self.comparison()?;
+        while self.is("&&") {
+            self.at += 1;
+            left = logic(&left, &self.comparison()?, |a, b| a && b)?;
+        }
+        Ok(left)
+    }
+
+    /// `a < b` and its like; for comparisons of comparisons one needs parentheses.
+    fn comparison(&mut self) -> Evaluated {
+        let left = self.sum()?;
+        let operators = ["<", "<=", ">", ">=", "==", "!="];
+        let Some(operator) = operators.into_iter().find(|o| self.is(o)) else { return Ok(left) };
+        self.at += 1;
+        compare(&left, &self.sum()?, operator)
     }
 
     fn sum(&mut self) -> Evaluated {

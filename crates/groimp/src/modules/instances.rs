@@ -8,10 +8,12 @@
 use super::builtins::{self, Target};
 use super::declarations::{Declaration, File, Member};
 use super::expressions::{Meter, Scope};
+use super::statements::Mode;
 use super::values::{Evaluated, Failure, Value};
-use super::{Sources, StaticShader, StaticValue};
+use super::{Problem, Sources, StaticShader, StaticValue};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
+use std::rc::Rc;
 
 const MOST_NOTES: usize = 30;
 
@@ -23,62 +25,72 @@ pub(super) struct Level<'a> {
 
 /// Values for the parameters of a constructor, with the places where they are given. Empty for a call
 /// without arguments.
-type Arguments = Vec<(Range<usize>, Evaluated)>;
+pub(super) type Arguments = Vec<(Range<usize>, Evaluated)>;
 
 pub(super) struct Instance<'a> {
     sources: &'a Sources,
     /// The built-in class.
     class: &'a str,
-    fields: BTreeMap<String, StaticValue>,
+    pub fields: BTreeMap<String, StaticValue>,
     /// Names that expressions may use: parameters, fields and local variables.
     pub variables: HashMap<String, Value>,
     /// Fields that modules declare themselves.
     own: HashSet<&'a str>,
     pub methods: HashSet<&'a str>,
-    pub meter: Meter,
-    notes: Vec<String>,
+    pub meter: Rc<Meter>,
+    /// What could not be evaluated.
+    pub notes: Vec<Problem>,
+    pub mode: Mode,
+    /// The name that a body gives to this node.
+    pub label: Option<&'a str>,
 }
 
 impl<'a> Instance<'a> {
-    /// The fields of the instance that differ from the built-in class, and notes for the user. The chain
-    /// begins with the module itself.
-    pub fn make(
+    /// An instance that nothing was done to yet. The chain begins with the module itself.
+    pub fn new(
         sources: &'a Sources,
         class: &'a str,
         chain: &[Level<'a>],
-    ) -> (BTreeMap<String, StaticValue>, Vec<String>) {
-        let mut instance = Instance {
+        meter: Rc<Meter>,
+        mode: Mode,
+    ) -> Self {
+        Instance {
             sources,
             class,
             fields: BTreeMap::new(),
             variables: HashMap::new(),
             own: HashSet::new(),
             methods: chain.iter().flat_map(|l| l.declaration.methods.iter().map(String::as_str)).collect(),
-            meter: Meter::default(),
+            meter,
             notes: Vec::new(),
-        };
+            mode,
+            label: None,
+        }
+    }
+
+    /// Runs the constructors, so that the fields are those that differ from the built-in class.
+    pub fn build(&mut self, chain: &[Level<'a>], arguments: Arguments) {
         // Arguments are computed upwards, from the module to the built-in class, ...
         let mut bound = Vec::new();
-        let mut arguments = Arguments::new();
+        let mut arguments = arguments;
         for (index, level) in chain.iter().enumerate() {
-            let parameters = instance.bind(level, &arguments);
+            let parameters = self.bind(level, &arguments);
             let called_by = std::mem::take(&mut arguments);
             if level.declaration.parameters.is_empty() || !called_by.is_empty() {
-                arguments = instance.base_arguments(level, parameters.as_ref());
+                arguments = self.base_arguments(level, parameters.as_ref());
                 if index + 1 < chain.len() {
-                    instance.note_failures(level, &arguments);
+                    self.note_failures(level, &arguments);
                 }
             }
             bound.push(parameters);
         }
         // ... and the constructors run downwards.
         if let Some(level) = chain.last() {
-            instance.construct(level, arguments);
+            self.construct(level, arguments);
         }
         for (level, parameters) in chain.iter().zip(bound).rev() {
-            instance.run_level(level, parameters);
+            self.run_level(level, parameters);
         }
-        (instance.fields, instance.notes)
     }
 
     pub fn file(&self, level: &Level) -> &'a File {
@@ -87,7 +99,7 @@ impl<'a> Instance<'a> {
 
     pub fn note(&mut self, level: &Level, at: usize, text: &str) {
         let file = self.file(level);
-        let note = format!("{}:{}: {text}", file.path, file.line(at));
+        let note = Problem { file: file.path.clone(), line: file.line(at), message: text.to_owned() };
         if self.notes.len() < MOST_NOTES && !self.notes.contains(&note) {
             self.notes.push(note);
         }
@@ -95,14 +107,19 @@ impl<'a> Instance<'a> {
 
     pub fn note_value(&mut self, level: &Level, at: usize, what: &str, failure: &Failure) {
         // Objects that an expression creates are never omitted in files, so nothing is lost.
-        if let Failure::Unknown(reason) = failure
-            && self.file(level).word(at) != Some("new")
-        {
-            self.note(level, at, &format!("the value of {what} cannot be determined: {reason}"));
+        let stored = self.mode == Mode::Representative && self.file(level).word(at) == Some("new");
+        match failure {
+            Failure::Unknown(reason) if !stored => {
+                self.note(level, at, &format!("the value of {what} cannot be determined: {reason}"));
+            }
+            Failure::Parameter if self.mode != Mode::Representative => {
+                self.note(level, at, &format!("the value of {what} depends on an unknown parameter"));
+            }
+            _ => {}
         }
     }
 
-    fn note_failures(&mut self, level: &Level, arguments: &Arguments) {
+    pub fn note_failures(&mut self, level: &Level, arguments: &Arguments) {
         for (range, value) in arguments {
             if let Err(failure) = value {
                 self.note_value(level, range.start, "a constructor argument", failure);
@@ -141,7 +158,7 @@ impl<'a> Instance<'a> {
     }
 
     /// Runs the constructor of the built-in class.
-    fn construct(&mut self, level: &Level, arguments: Arguments) {
+    pub fn construct(&mut self, level: &Level, arguments: Arguments) {
         // Of an unknown class the user has been told already.
         if builtins::class(self.class).as_deref() != Some(self.class) {
             return;
@@ -202,7 +219,11 @@ impl<'a> Instance<'a> {
         let given = parameters.is_some();
         let mut values = parameters.unwrap_or_default();
         for parameter in &declaration.parameters {
-            let value = values.remove(&parameter.name).unwrap_or(Value::Parameter);
+            let missing = match self.mode {
+                Mode::Representative => Value::Parameter,
+                _ => Value::initial(&parameter.kind),
+            };
+            let value = values.remove(&parameter.name).unwrap_or(missing);
             if !parameter.reuses_field {
                 self.own.insert(&parameter.name);
             }
@@ -274,7 +295,9 @@ impl<'a> Instance<'a> {
                 }
             }
             // A matrix is a fresh object, which files always contain.
-            ("scale", [_, _, _]) if builtins::has_transform(self.class) => {}
+            ("scale", [_, _, _]) if builtins::has_transform(self.class) => {
+                return self.mode == Mode::Representative;
+            }
             (_, [value]) => self.set_field(property, value.clone()),
             _ => match numbers.as_slice() {
                 [x, y, z] => self.set_field(property, Value::Vector([*x, *y, *z])),
@@ -315,6 +338,10 @@ impl<'a> Instance<'a> {
 
     /// A plain assignment: to a field of the module or to one of the built-in class.
     pub fn assign(&mut self, name: &str, value: Value) {
+        if self.mode == Mode::Braces && self.variables.contains_key(name) {
+            self.variables.insert(name.to_owned(), value);
+            return;
+        }
         if !self.own.contains(name) {
             return self.set_field(name, value);
         }
@@ -323,7 +350,13 @@ impl<'a> Instance<'a> {
         {
             self.fields.insert(name.to_owned(), value);
         }
-        self.variables.insert(name.to_owned(), value);
+        if self.has_own_variables() {
+            self.variables.insert(name.to_owned(), value);
+        }
+    }
+
+    fn has_own_variables(&self) -> bool {
+        !matches!(self.mode, Mode::With | Mode::Braces)
     }
 
     /// Sets a field of the built-in class, given by its name or that of an alias.
@@ -343,7 +376,7 @@ impl<'a> Instance<'a> {
                 }
             }
         }
-        if !self.own.contains(name) {
+        if !self.own.contains(name) && self.has_own_variables() {
             self.variables.insert(name.to_owned(), value);
         }
     }

@@ -5,11 +5,15 @@
 //! chain to a built-in class and evaluates what does not need a running model: constructor arguments,
 //! with-blocks and instance initialisers that are made of constants.
 
+mod bodies;
+#[cfg(test)]
+mod bodies_tests;
 mod builtins;
 mod declarations;
 mod expressions;
 mod instances;
 mod lexer;
+mod loops;
 mod parser;
 mod statements;
 #[cfg(test)]
@@ -17,8 +21,11 @@ mod tests;
 mod values;
 
 use declarations::{Constant, Declaration, File};
+use expressions::Meter;
 use instances::{Instance, Level};
+use statements::Mode;
 use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
 
 /// A source file of a project.
 #[derive(Clone, Debug)]
@@ -130,6 +137,11 @@ pub struct Sources {
     problems: Vec<Problem>,
 }
 
+/// File and index of a declaration.
+pub(crate) type Place = (usize, usize);
+
+pub(crate) use bodies::{Instantiation, Stored};
+
 /// A longer chain of `extends` is taken for an error.
 const LONGEST_CHAIN: usize = 100;
 
@@ -160,7 +172,34 @@ impl Sources {
 
     /// Resolves a node type such as `test$Leaf`; None if there is no such declaration.
     pub fn resolve(&self, type_name: &str) -> Option<ResolvedModule> {
-        let start = *self.by_type.get(type_name)?;
+        let start = self.place(type_name)?;
+        let Chain { base, levels, mut unresolved } = self.chain(start);
+        let has_body = levels.iter().any(|level| level.declaration.body.is_some());
+        let mut instance =
+            Instance::new(self, &base, &levels, Rc::new(Meter::default()), Mode::Representative);
+        instance.build(&levels, Vec::new());
+        let notes = instance.notes.iter();
+        unresolved.extend(notes.map(|note| format!("{}:{}: {}", note.file, note.line, note.message)));
+        let fields = std::mem::take(&mut instance.fields).into_iter();
+        let defaults = fields.map(|(field, value)| FieldDefault { field, value }).collect();
+        let declaration = &self.files[start.0].declarations[start.1];
+        let declared_at = (self.files[start.0].path.clone(), declaration.line);
+        Some(ResolvedModule { base, defaults, has_body, declared_at, unresolved })
+    }
+
+    /// The declaration of a node type.
+    pub(crate) fn place(&self, type_name: &str) -> Option<Place> {
+        self.by_type.get(type_name).copied()
+    }
+
+    /// The type of the nodes that a declaration makes.
+    pub(crate) fn type_name(&self, (file, declaration): Place) -> String {
+        let file = &self.files[file];
+        format!("{}{}", file.prefix, file.declarations[declaration].full_name)
+    }
+
+    /// Follows the `extends` clauses from a declaration to a built-in class.
+    fn chain(&self, start: Place) -> Chain<'_> {
         let mut unresolved = Vec::new();
         let mut chain = Vec::new();
         let mut seen = HashSet::new();
@@ -188,17 +227,7 @@ impl Sources {
                 }
             }
         };
-        let has_body = chain.iter().any(|level| level.declaration.has_body);
-        let (fields, notes) = Instance::make(self, &base, &chain);
-        unresolved.extend(notes);
-        let declaration = &self.files[start.0].declarations[start.1];
-        Some(ResolvedModule {
-            base,
-            defaults: fields.into_iter().map(|(field, value)| FieldDefault { field, value }).collect(),
-            has_body,
-            declared_at: (self.files[start.0].path.clone(), declaration.line),
-            unresolved,
-        })
+        Chain { base, levels: chain, unresolved }
     }
 
     /// What a class name means in a declaration.
@@ -277,6 +306,15 @@ impl Sources {
         }
         within(file).or_else(|| self.imported(file).into_iter().find_map(within))
     }
+}
+
+/// A module with its base classes.
+struct Chain<'a> {
+    /// The built-in class at the end, or the name of an unknown one.
+    base: String,
+    /// The declarations, beginning with the module itself.
+    levels: Vec<Level<'a>>,
+    unresolved: Vec<String>,
 }
 
 enum Class {

@@ -251,20 +251,21 @@ impl Parser<'_> {
         parameters
     }
 
-    /// Skips `==> ... ;` if it is there.
+    /// Notes what follows `==>` up to the `;`, if it is there.
     fn instantiation(&mut self, declaration: usize) -> bool {
         if !self.file.is(self.at, "==>") {
             return false;
         }
-        self.file.declarations[declaration].has_body = true;
+        let start = self.at + 1;
         let end = self.open.last().map_or(self.file.tokens.len(), |(_, end)| *end);
         while self.at < end && !self.file.is(self.at, ";") {
             if self.word() == Some("module") && self.file.word(self.at + 1).is_some() {
                 self.complain(self.at, "a ';' is missing before this module".into());
-                return true;
+                break;
             }
             self.at = if self.file.is_open(self.at) { self.file.after(self.at) } else { self.at + 1 };
         }
+        self.file.declarations[declaration].body = Some(start..self.at.min(end).max(start));
         true
     }
 
@@ -389,7 +390,7 @@ mod tests {
         let names: Vec<_> = file.declarations.iter().map(|d| d.full_name.as_str()).collect();
         assert_eq!(names, ["X", "Y", "Y$Z", "Y$W"]);
         let x = &file.declarations[0];
-        assert_eq!((x.line, x.has_body, x.members.len()), (4, true, 3));
+        assert_eq!((x.line, x.body.is_some(), x.members.len()), (4, true, 3));
         let parameters: Vec<_> = x.parameters.iter().map(|p| (p.name.as_str(), p.kind.as_str())).collect();
         assert_eq!(parameters, [("length", ""), ("s", "double"), ("k", "int[]")]);
         assert!(x.methods.contains("f"));

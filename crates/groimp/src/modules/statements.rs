@@ -5,6 +5,21 @@ use super::instances::{Instance, Level};
 use super::values::{Failure, Value, property_of_setter, set_property};
 use std::ops::Range;
 
+/// What an instance is made for, and which code is being run on it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// The object that files compare with: what files always contain need not be known.
+    Representative,
+    /// A node of a body is constructed; all of it has to be known.
+    Fresh,
+    /// The with-block of a node of a body: the variables are those of the body, all else is the node's.
+    With,
+    /// A block in braces behind a node of a body, which may assign to variables of the body as well.
+    Braces,
+    /// A block of the body on its own.
+    Block,
+}
+
 impl<'a> Instance<'a> {
     /// Runs the statements in a range. The blocks in it are run like their surroundings.
     pub fn run(&mut self, level: &Level<'a>, range: Range<usize>, separators: &[&str]) {
@@ -48,7 +63,8 @@ impl<'a> Instance<'a> {
     fn statement(&mut self, level: &Level<'a>, range: Range<usize>) {
         let file = self.file(level);
         let Range { mut start, end } = range;
-        while matches!(file.word(start), Some("this" | "super")) && file.is(start + 1, ".") {
+        let node = |word: &str| matches!(word, "this" | "super") || self.label == Some(word);
+        while file.word(start).is_some_and(node) && file.is(start + 1, ".") {
             start += 2;
         }
         let word = file.word(start).unwrap_or_default();
@@ -102,8 +118,15 @@ impl<'a> Instance<'a> {
             return self.note(level, at, &format!("the call of '{method}' is not evaluated"));
         };
         // A rotation becomes a fresh object in `transform`, which files always contain.
-        if matches!(property.as_str(), "name" | "rotation") {
+        if property == "name" || (property == "rotation" && self.mode == Mode::Representative) {
             return;
+        }
+        if property == "rotation" {
+            return self.note(level, at, "the call of 'setRotation' is not evaluated");
+        }
+        // A body has no effect on its own node, which is drawn already.
+        if self.mode == Mode::Block {
+            return self.note(level, at, &format!("the call of '{method}' is not evaluated"));
         }
         let range = self.file(level).inside(at + 1);
         let mut values = Vec::new();

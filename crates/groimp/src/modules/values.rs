@@ -175,6 +175,32 @@ pub(super) fn arithmetic(left: &Value, right: &Value, operator: char) -> Evaluat
     Ok(Value::Number { value, integer })
 }
 
+/// `left operator right` for comparisons of numbers, and whether truth values are equal.
+pub(super) fn compare(left: &Value, right: &Value, operator: &str) -> Evaluated {
+    let result = match (left, right, operator) {
+        (Value::Bool(a), Value::Bool(b), "==") => a == b,
+        (Value::Bool(a), Value::Bool(b), "!=") => a != b,
+        (Value::Number { value: a, .. }, Value::Number { value: b, .. }, _) => match operator {
+            "<" => a < b,
+            "<=" => a <= b,
+            ">" => a > b,
+            ">=" => a >= b,
+            "==" => a == b,
+            _ => a != b,
+        },
+        _ => return unknown(format!("the operands of '{operator}' are no numbers")),
+    };
+    Ok(Value::Bool(result))
+}
+
+/// A connection of two truth values.
+pub(super) fn logic(left: &Value, right: &Value, connect: fn(bool, bool) -> bool) -> Evaluated {
+    match (left, right) {
+        (Value::Bool(a), Value::Bool(b)) => Ok(Value::Bool(connect(*a, *b))),
+        _ => unknown("a condition is no truth value"),
+    }
+}
+
 fn numbers<const N: usize>(values: &[Value]) -> Option<[f64; N]> {
     let values: Vec<f64> = values.iter().map(Value::number).collect::<Option<_>>()?;
     values.try_into().ok()
