@@ -6,6 +6,7 @@ use crate::classes::{Amount, AxisShape, Class, Skip};
 use crate::fields::{Field, Fields};
 use crate::graph::{Graph, Node, NodeIndex};
 use crate::lights::{self, LightValue};
+use crate::meshes::Meshes;
 use crate::modules::{Sources, StaticValue};
 use crate::output::Output;
 use crate::shaders::{GRAY, ShaderSource, Shaders};
@@ -68,6 +69,7 @@ pub(crate) struct Builder<'a> {
     pub shaders: Shaders<'a>,
     pub out: Output,
     pub frames: Vec<DrawnFrames>,
+    meshes: Meshes,
     initial: TurtleState,
     has_light: bool,
 }
@@ -82,8 +84,19 @@ impl<'a> Builder<'a> {
         out: Output,
     ) -> Self {
         let initial = TurtleState::default();
-        let (bodies, frames) = (Bodies::default(), Vec::new());
-        Builder { graph, view, types, sources, bodies, shaders, out, frames, initial, has_light: false }
+        Builder {
+            graph,
+            view,
+            types,
+            sources,
+            bodies: Bodies::default(),
+            shaders,
+            out,
+            frames: Vec::new(),
+            meshes: Meshes::default(),
+            initial,
+            has_light: false,
+        }
     }
 
     /// Draws everything that hangs below the root of the main graph.
@@ -188,6 +201,7 @@ impl<'a> Builder<'a> {
                 let geometry = Geometry { shape, own_from_object: DAffine3::IDENTITY };
                 self.draw(&site, fields, Some(geometry), material)?;
             }
+            Class::Mesh => self.mesh(&site, fields, material)?,
             Class::Axis(shape) => {
                 self.draw(&site, fields, shapes::axis_shape(shape, fields)?, material)?;
             }
@@ -283,6 +297,17 @@ impl<'a> Builder<'a> {
         // Pl is for the next shoot only.
         let material = if command.is_local() { inherited } else { shader.unwrap_or(inherited) };
         Ok((command.apply(state, &self.initial, argument, shader), material))
+    }
+
+    fn mesh(&mut self, site: &Site, fields: &Fields<'_>, material: MaterialId) -> Result<(), ReadError> {
+        match self.meshes.geometry(fields, &mut self.out.scene)? {
+            Ok(geometry) => self.draw(site, fields, Some(geometry), material),
+            Err(reason) => {
+                self.record(site);
+                self.out.report.skip(self.graph.type_name(site.node), reason);
+                Ok(())
+            }
+        }
     }
 
     fn draw(

@@ -15,6 +15,8 @@ pub(crate) enum Class {
     Plane,
     LightNode,
     Sky,
+    /// MeshNode.
+    Mesh,
     Axis(AxisShape),
     /// Turtle command that draws a cylinder.
     Shoot(Amount),
@@ -97,7 +99,10 @@ impl Skip {
 impl Class {
     /// Layer of a node that names none.
     pub fn default_layer(self) -> f64 {
-        if self == Class::Skipped(Skip::NotYet { layer_one: true }) { 1.0 } else { 0.0 }
+        match self {
+            Class::Mesh | Class::Skipped(Skip::NotYet { layer_one: true }) => 1.0,
+            _ => 0.0,
+        }
     }
 
     /// Whether nodes of the class may carry a shader, for themselves and everything below.
@@ -109,6 +114,7 @@ impl Class {
                 | Class::Plane
                 | Class::LightNode
                 | Class::Sky
+                | Class::Mesh
                 | Class::Axis(_)
                 | Class::Skipped(_)
         )
@@ -150,7 +156,8 @@ fn object(name: &str) -> Option<Class> {
         // That the light model's clones of a grid are not drawn is unverified.
         "Point" | "PointCloud" | "TextLabel" | "NURBSCurve" | "SensorNode" | "SensorNodeGrid"
         | "SensorAreaGrid" | "GridClonerNode" => Class::Skipped(Skip::NotVisible),
-        "MeshNode" | "NURBSSurface" | "Patch" | "Polygon" => Class::Skipped(Skip::NotYet { layer_one: true }),
+        "MeshNode" => Class::Mesh,
+        "NURBSSurface" | "Patch" | "Polygon" => Class::Skipped(Skip::NotYet { layer_one: true }),
         "Instance3D" | "SphereSegmentSolid" | "Supershape" | "Lamella" => {
             Class::Skipped(Skip::NotYet { layer_one: false })
         }

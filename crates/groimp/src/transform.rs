@@ -57,6 +57,7 @@ pub(crate) fn frames(
         | Class::Plane
         | Class::LightNode
         | Class::Sky
+        | Class::Mesh
         | Class::Axis(_)
         | Class::Line
         | Class::Skipped(_) => placed(class, fields, parent),

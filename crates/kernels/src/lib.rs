@@ -12,6 +12,7 @@
 pub mod bsdf;
 pub mod camera;
 pub mod light;
+pub mod mesh;
 pub mod path;
 pub mod random;
 pub mod records;

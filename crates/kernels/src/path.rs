@@ -11,6 +11,7 @@ pub mod kernel {
     use crate::bsdf::kernel::*;
     use crate::camera::kernel::*;
     use crate::light::kernel::*;
+    use crate::mesh::kernel::*;
     use crate::random::kernel::*;
     use crate::records::kernel::*;
     use crate::shape::kernel::*;
@@ -107,7 +108,7 @@ pub mod kernel {
         let both_sides = transmits(bsdf);
         let sample = sample_light(light, point.position, normal, both_sides, vec2f(u.y, u.z));
         let value = evaluate_bsdf(bsdf, normal, wo, sample.direction) * sample.weight;
-        if is_dark(value) {
+        if is_dark(value) || !same_side(point, normal, wo, sample.direction) {
             return result;
         }
         let mut weight = 1.0 / choice.probability;
@@ -152,10 +153,11 @@ pub mod kernel {
             }
             let shape = S::shape(scene, hit.object);
             let surface = S::surface(scene, hit.object);
-            let point = surface_point(shape, surface, ray, hit.shape);
+            let flat_point = surface_point(shape, surface, ray, hit.shape);
+            let point = with_attributes::<S>(scene, shape, surface, flat_point);
             let wo = -ray.direction;
             let cos_front = dot(point.normal, wo);
-            let normal = point.normal * select(-1.0, 1.0, cos_front >= 0.0);
+            let normal = facing_normal(point, wo);
 
             // Light that the surface emits.
             if surface.light != NONE {
@@ -196,7 +198,7 @@ pub mod kernel {
             // Where the path goes on.
             let u = random4(key, dimension + 1u32);
             let sample = sample_bsdf(bsdf, normal, wo, vec3f(u.x, u.y, u.z));
-            if sample.event == EVENT_ABSORBED {
+            if sample.event == EVENT_ABSORBED || !same_side(point, normal, wo, sample.direction) {
                 return result;
             }
             throughput *= sample.weight;

@@ -57,6 +57,10 @@ pub mod kernel {
     pub const FLAG_TOP_OPEN: u32 = 512;
     /// The material lets rays pass somewhere: its opacity must be evaluated at every hit.
     pub const FLAG_NOT_OPAQUE: u32 = 1024;
+    /// Triangle: rays that meet its front pass it. The front is where the corners run counter-clockwise.
+    pub const FLAG_FRONT_HIDDEN: u32 = 2048;
+    /// Triangle: rays that meet its back pass it.
+    pub const FLAG_BACK_HIDDEN: u32 = 4096;
 
     /// What intersection needs of an object: 64 bytes.
     #[repr(C)]
@@ -67,6 +71,7 @@ pub mod kernel {
         pub kind: u32,
         pub material: u32,
         pub base_radius: f32,
+        /// Triangle: its number in the mesh, which tells it apart from the others in random choices.
         pub top_radius: f32,
     }
 
@@ -81,7 +86,8 @@ pub mod kernel {
         pub light: u32,
         /// Index of the object in the scene description.
         pub source: u32,
-        pub reserved: u32,
+        /// Triangle: first of its entries in the attribute table, or `NONE`; see the module `mesh`.
+        pub attributes: u32,
     }
 
     /// An object of the scene.
@@ -235,6 +241,7 @@ pub mod kernel {
         fn channel(scene: Self, index: u32) -> ChannelRecord;
         fn texel(scene: Self, index: u32) -> u32;
         fn light(scene: Self, index: u32) -> LightRecord;
+        fn attribute(scene: Self, index: u32) -> Vec4f;
     }
 
     /// `matrix * (point, 1)`.

@@ -39,6 +39,8 @@ pub mod kernel {
         /// Outward unit normal.
         pub normal: Vec3f,
         pub uv: Vec2f,
+        /// Unit normal for scattering, less than a right angle from `normal`; differs on smooth meshes only.
+        pub shading_normal: Vec3f,
     }
 
     pub fn transform_ray(matrix: Affine, ray: Ray) -> Ray {
@@ -185,7 +187,9 @@ pub mod kernel {
         x * x + y * y <= radius * radius
     }
 
-    pub fn intersect_flat(kind: u32, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+    /// Plane, parallelogram and triangle; `flags` is the whole `ShapeRecord::kind`.
+    pub fn intersect_flat(flags: u32, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+        let kind = flags & SHAPE_MASK;
         if kind == SHAPE_PLANE {
             let t = -ray.origin.z / away_from_zero(ray.direction.z);
             if t > t_min && t < t_max {
@@ -198,7 +202,8 @@ pub mod kernel {
         let z = ray.origin.z + t * ray.direction.z;
         let mut inside = abs(x) <= 1.0 && z >= 0.0 && z <= 1.0;
         if kind == SHAPE_TRIANGLE {
-            inside = x >= 0.0 && z >= 0.0 && x + z <= 1.0;
+            let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, ray.direction.y < 0.0);
+            inside = x >= 0.0 && z >= 0.0 && x + z <= 1.0 && (flags & hidden) == 0u32;
         }
         if inside && t > t_min && t < t_max {
             return ShapeHit { t, face: 0 };
@@ -211,7 +216,7 @@ pub mod kernel {
         let ray = transform_ray(shape.object_from_world, ray_world);
         let kind = shape.kind & SHAPE_MASK;
         if kind >= SHAPE_PLANE {
-            return intersect_flat(kind, ray, t_min, t_max);
+            return intersect_flat(shape.kind, ray, t_min, t_max);
         }
         if kind == SHAPE_FRUSTUM {
             return intersect_frustum(shape, ray, t_min, t_max);
@@ -296,7 +301,7 @@ pub mod kernel {
         select(u, u + 1.0, u < 0.0)
     }
 
-    /// Texture coordinates, scene-format.md chapter 4.1.
+    /// Texture coordinates, scene-format.md chapter 4.1; on a triangle the weights of its second and third corner.
     pub fn texture_coordinates(shape: ShapeRecord, v_scale: f32, face: u32, p: Vec3f) -> Vec2f {
         let kind = shape.kind & SHAPE_MASK;
         if kind == SHAPE_PARALLELOGRAM {
@@ -347,7 +352,7 @@ pub mod kernel {
     /// Unit roundoff of 32-bit floats times a safety factor for the handful of operations between two hits.
     pub const ROUNDING: f32 = 4.0e-7;
 
-    /// Everything about the point where `ray` hit the shape at parameter `hit.t`.
+    /// Everything about the point where `ray` hit the shape at parameter `hit.t`, except the attributes of meshes.
     pub fn surface_point(
         shape: ShapeRecord,
         surface: SurfaceRecord,
@@ -369,7 +374,13 @@ pub mod kernel {
         let carried = vec3f(dot(abs(m.row0), e), dot(abs(m.row1), e), dot(abs(m.row2), e));
         let error = ROUNDING * dot(abs(normal), error_world + carried);
 
-        SurfacePoint { position, error, normal, uv: texture_coordinates(shape, surface.v_scale, hit.face, p) }
+        SurfacePoint {
+            position,
+            error,
+            normal,
+            uv: texture_coordinates(shape, surface.v_scale, hit.face, p),
+            shading_normal: normal,
+        }
     }
 
     /// Start of a ray that leaves the surface in `direction` without meeting it again by rounding.

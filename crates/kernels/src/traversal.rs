@@ -8,6 +8,7 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod kernel {
     use crate::bsdf::kernel::*;
+    use crate::mesh::kernel::*;
     use crate::random::kernel::*;
     use crate::records::kernel::*;
     use crate::shape::kernel::*;
@@ -52,12 +53,14 @@ pub mod kernel {
     ) -> Vec2f {
         let ray_object = transform_ray(shape.object_from_world, ray);
         let p = snap_to_surface(shape, hit.face, ray_object.origin + ray_object.direction * hit.t);
-        texture_coordinates(shape, S::surface(scene, index).v_scale, hit.face, p)
+        let surface = S::surface(scene, index);
+        let uv = texture_coordinates(shape, surface.v_scale, hit.face, p);
+        attribute_uv::<S>(scene, shape, surface, uv)
     }
 
     /// Joins an object to the closest hit so far. Partly transparent surfaces are met with the probability of
-    /// their opacity; the decision depends on the sample, the segment and the object alone, so that the order
-    /// in which objects are visited does not matter.
+    /// their opacity; the decision depends on the sample, the segment and the object alone (on the triangle in
+    /// case of meshes), so that the order in which objects are visited does not matter.
     pub fn closer_hit<S: SceneAccess + Copy>(
         scene: S,
         index: u32,
@@ -83,11 +86,12 @@ pub mod kernel {
             }
             if opacity > 0.0 {
                 // Front and back of one object are told apart by the number of the attempt.
+                let triangle = u32(shape.top_radius);
                 let bits = pcg4d(vec4u(
                     key.pixel,
                     key.sample,
                     DIMENSION_OPACITY + S::surface(scene, index).source,
-                    key.seed ^ ((segment * 4u32 + attempt) * 2654435769u32),
+                    key.seed ^ ((segment * 4u32 + attempt) * 2654435769u32) ^ (triangle * 2246822519u32),
                 ));
                 if unit_float(bits.x) < opacity {
                     return Hit { shape: hit, object: index };

@@ -108,4 +108,8 @@ impl SceneAccess for Slices<'_> {
     fn light(scene: Self, index: u32) -> LightRecord {
         scene.scene.lights[index as usize]
     }
+    fn attribute(scene: Self, index: u32) -> wgsl_rs::std::Vec4f {
+        let [x, y, z, w] = scene.scene.attributes[index as usize];
+        wgsl_rs::std::vec4f(x, y, z, w)
+    }
 }

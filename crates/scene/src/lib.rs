@@ -10,6 +10,7 @@ mod camera;
 mod image;
 mod light;
 mod material;
+mod mesh;
 mod object;
 mod shape;
 
@@ -18,8 +19,9 @@ pub use glam::{DAffine3, DMat3, DVec3};
 pub use image::Image;
 pub use light::{Light, LightKind, Sky};
 pub use material::{Channel, ChannelId, Material, Phong};
+pub use mesh::{Mesh, VisibleSides};
 pub use object::{Emission, Object, Origin};
-pub use shape::{Mesh, Shape};
+pub use shape::Shape;
 
 /// A linear Rec. 709 colour or a power, irradiance or radiance in three channels.
 pub type Rgb = [f64; 3];

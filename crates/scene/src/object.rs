@@ -43,7 +43,7 @@ impl Object {
     /// The axis-parallel box round the object in world space as (minimum, maximum); `None` if it is infinite
     /// or empty.
     pub fn bounds(&self, meshes: &[Mesh]) -> Option<(DVec3, DVec3)> {
-        if let Shape::Mesh(id) = self.shape {
+        if let Shape::Mesh { mesh: id, .. } = self.shape {
             // The box of the vertices is tighter than the box of the transformed box.
             return meshes.get(id.index())?.bounds(&self.world_from_object);
         }

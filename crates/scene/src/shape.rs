@@ -1,6 +1,5 @@
-use crate::MeshId;
-use glam::{DAffine3, DVec3};
-use std::sync::Arc;
+use crate::{MeshId, VisibleSides};
+use glam::DVec3;
 
 /// Geometry in object space, with GroIMP's local frames: z is the axis of everything that has one.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +69,12 @@ pub enum Shape {
         scale_v: bool,
     },
     /// Triangles.
-    Mesh(MeshId),
+    Mesh {
+        /// The triangles, which several objects may share.
+        mesh: MeshId,
+        /// From where they can be seen; rays that come from elsewhere pass.
+        visible_sides: VisibleSides,
+    },
 }
 
 impl Shape {
@@ -84,12 +88,12 @@ impl Shape {
             Shape::Frustum { .. } => "Frustum",
             Shape::Plane => "Plane",
             Shape::Parallelogram { .. } => "Parallelogram",
-            Shape::Mesh(_) => "Mesh",
+            Shape::Mesh { .. } => "Mesh",
         }
     }
 
     /// Bounding box in object space as (minimum, maximum); `None` for the infinite plane and for meshes, whose
-    /// vertices are elsewhere (see [`Mesh::bounds`]).
+    /// vertices are elsewhere (see [`Mesh::bounds`](crate::Mesh::bounds)).
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let round = |radius: f64, length: f64| {
             Some((DVec3::new(-radius, -radius, length.min(0.0)), DVec3::new(radius, radius, length.max(0.0))))
@@ -113,32 +117,7 @@ impl Shape {
                 let high = corners.into_iter().fold(corners[0], DVec3::max);
                 Some((low, high))
             }
-            Shape::Plane | Shape::Mesh(_) => None,
+            Shape::Plane | Shape::Mesh { .. } => None,
         }
-    }
-}
-
-/// Flat triangles.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Mesh {
-    /// Vertices in object space.
-    pub positions: Arc<[[f32; 3]]>,
-    /// Three vertex indices per triangle, each below `positions.len()`; counter-clockwise seen from the front.
-    pub triangles: Arc<[[u32; 3]]>,
-}
-
-impl Mesh {
-    /// The axis-parallel box of the transformed vertices as (minimum, maximum); `None` if there are none.
-    pub fn bounds(&self, world_from_object: &DAffine3) -> Option<(DVec3, DVec3)> {
-        (0..self.positions.len())
-            .map(|index| world_from_object.transform_point3(self.position(index)))
-            .map(|p| (p, p))
-            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-    }
-
-    /// A vertex in object space.
-    pub fn position(&self, index: usize) -> DVec3 {
-        let [x, y, z] = self.positions[index];
-        DVec3::new(x.into(), y.into(), z.into())
     }
 }

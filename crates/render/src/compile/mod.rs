@@ -5,6 +5,7 @@ mod camera;
 mod lights;
 mod materials;
 mod objects;
+mod triangles;
 
 use crate::compile::materials::Materials;
 use kernels::records::kernel::{
@@ -31,6 +32,8 @@ pub struct CompiledScene {
     pub texels: Vec<u32>,
     /// All light sources, the sky included.
     pub lights: Vec<LightRecord>,
+    /// Normals and texture coordinates of triangles, found through `SurfaceRecord::attributes`.
+    pub attributes: Vec<[f32; 4]>,
     triangles: usize,
 }
 
@@ -109,8 +112,9 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
 
     let Materials { records: materials, channels, texels, not_opaque } = materials::compile_materials(scene)?;
     let lights = lights::compile_lights(scene, &local_from_world);
-    let primitives = objects::compile_objects(scene, &local_from_world, &not_opaque, &lights.of_object)?;
+    let mut primitives = objects::compile_objects(scene, &local_from_world, &not_opaque, &lights.of_object)?;
     let triangles = primitives.triangles;
+    let attributes = std::mem::take(&mut primitives.attributes);
     let hierarchy = bvh::arrange(primitives, acceleration);
 
     let local_bounds = bounds.map(|(low, high)| (low - origin, high - origin));
@@ -128,6 +132,7 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
         channels,
         texels,
         lights: lights.records,
+        attributes,
         triangles,
     })
 }

@@ -1,3 +1,4 @@
+use super::triangles::placed_triangles;
 use super::{CompileError, affine, count};
 use kernels::records::kernel::{
     FLAG_BASE_OPEN, FLAG_NOT_OPAQUE, FLAG_TOP_OPEN, NONE, ObjectRecord, SHAPE_BOX, SHAPE_FRUSTUM,
@@ -12,15 +13,19 @@ pub(super) struct Primitives {
     /// Box of every bounded object as (minimum, maximum), in the same order.
     pub boxes: Vec<(DVec3, DVec3)>,
     pub triangles: usize,
+    /// Table of the attributes of triangles.
+    pub attributes: Vec<[f32; 4]>,
 }
 
 /// A unit shape of the kernels and its placement.
-struct UnitShape {
-    kind: u32,
-    local_from_unit: DAffine3,
-    base_radius: f64,
-    top_radius: f64,
-    v_scale: f64,
+pub(super) struct UnitShape {
+    pub kind: u32,
+    pub local_from_unit: DAffine3,
+    pub base_radius: f64,
+    pub top_radius: f64,
+    pub v_scale: f64,
+    /// First entry in the table of attributes, or `NONE`.
+    pub attributes: u32,
 }
 
 /// A frustum whose radii differ by less than this fraction is a cylinder (scene-format.md 4.1).
@@ -39,6 +44,7 @@ pub(super) fn compile_objects(
         bounded: Vec::with_capacity(scene.objects.len()),
         boxes: Vec::with_capacity(scene.objects.len()),
         triangles: 0,
+        attributes: Vec::new(),
     };
     for (index, object) in scene.objects.iter().enumerate() {
         let degenerate = || CompileError::DegenerateObject {
@@ -46,7 +52,7 @@ pub(super) fn compile_objects(
             node: object.origin.node,
         };
         let local_from_object = *local_from_world * object.world_from_object;
-        let mut add = |unit: UnitShape| -> Result<(), CompileError> {
+        let add = |primitives: &mut Primitives, unit: UnitShape| -> Result<(), CompileError> {
             let unit_from_local = unit.local_from_unit.inverse();
             let determinant = unit.local_from_unit.matrix3.determinant();
             if determinant == 0.0 || !determinant.is_finite() || !unit_from_local.is_finite() {
@@ -66,7 +72,7 @@ pub(super) fn compile_objects(
                     v_scale: unit.v_scale as f32,
                     light: light_of_object.get(index).copied().unwrap_or(NONE),
                     source: count(index),
-                    reserved: 0,
+                    attributes: unit.attributes,
                 },
             };
             match unit_bounds(&unit) {
@@ -79,19 +85,16 @@ pub(super) fn compile_objects(
             Ok(())
         };
         match object.shape {
-            Shape::Mesh(id) => {
+            Shape::Mesh { mesh: id, visible_sides } => {
                 let mesh = &scene.meshes[id.index()];
-                for triangle in mesh.triangles.iter() {
-                    let [a, b, c] = triangle
-                        .map(|vertex| local_from_object.transform_point3(mesh.position(vertex as usize)));
-                    // Imported meshes contain triangles without area; they are invisible.
-                    if (b - a).cross(c - a).length_squared() > 0.0 {
-                        add(flat(SHAPE_TRIANGLE, a, b - a, c - a, 1.0))?;
-                    }
+                let mut attributes = std::mem::take(&mut primitives.attributes);
+                for triangle in placed_triangles(mesh, visible_sides, &local_from_object, &mut attributes) {
+                    add(&mut primitives, triangle)?;
                 }
+                primitives.attributes = attributes;
                 primitives.triangles += mesh.triangles.len();
             }
-            _ => add(unit_shape(object, &local_from_object))?,
+            _ => add(&mut primitives, unit_shape(object, &local_from_object))?,
         }
     }
     Ok(primitives)
@@ -110,6 +113,7 @@ fn unit_shape(object: &Object, local_from_object: &DAffine3) -> UnitShape {
         base_radius: 1.0,
         top_radius: 1.0,
         v_scale: 1.0,
+        attributes: NONE,
     };
     let round = |base: f64, top: f64, length: f64, base_open: bool, top_open: bool, scale_v: bool| {
         let radius = base.max(top);
@@ -149,7 +153,7 @@ fn unit_shape(object: &Object, local_from_object: &DAffine3) -> UnitShape {
             unit.v_scale = if scale_v { length } else { 1.0 };
             unit
         }
-        Shape::Mesh(_) => unreachable!("meshes are compiled triangle by triangle"),
+        Shape::Mesh { .. } => unreachable!("meshes are compiled triangle by triangle"),
     }
 }
 
@@ -163,7 +167,7 @@ fn regular_radii(base: f64, top: f64) -> (f64, f64) {
 
 /// A flat shape spanned by `u` along unit x and `v` along unit z. Unit y is the unit normal, so that distances
 /// from the plane are in metres; it points to v × u, or the other way for `side` -1.
-fn flat(kind: u32, origin: DVec3, u: DVec3, v: DVec3, side: f64) -> UnitShape {
+pub(super) fn flat(kind: u32, origin: DVec3, u: DVec3, v: DVec3, side: f64) -> UnitShape {
     // A triangle a, b, c is counter-clockwise round (b - a) × (c - a), a parallelogram's front is z × axis.
     let normal = if kind == SHAPE_TRIANGLE { u.cross(v) } else { v.cross(u) };
     UnitShape {
@@ -175,6 +179,7 @@ fn flat(kind: u32, origin: DVec3, u: DVec3, v: DVec3, side: f64) -> UnitShape {
         base_radius: 1.0,
         top_radius: 1.0,
         v_scale: 1.0,
+        attributes: NONE,
     }
 }
 

@@ -24,6 +24,8 @@ const SHAPE_MASK: u32 = 255u;
 const FLAG_BASE_OPEN: u32 = 256u;
 const FLAG_TOP_OPEN: u32 = 512u;
 const FLAG_NOT_OPAQUE: u32 = 1024u;
+const FLAG_FRONT_HIDDEN: u32 = 2048u;
+const FLAG_BACK_HIDDEN: u32 = 4096u;
 
 struct ShapeRecord {
     object_from_world: Affine,
@@ -38,7 +40,7 @@ struct SurfaceRecord {
     v_scale: f32,
     light: u32,
     source: u32,
-    reserved: u32
+    attributes: u32
 }
 
 struct ObjectRecord {
@@ -214,7 +216,8 @@ struct SurfacePoint {
     position: vec3f,
     error: f32,
     normal: vec3f,
-    uv: vec2f
+    uv: vec2f,
+    shading_normal: vec3f
 }
 
 fn transform_ray(matrix: Affine, ray: Ray) -> Ray {
@@ -343,7 +346,8 @@ fn within_radius(ray: Ray, t: f32, radius: f32) -> bool {
     return (((x * x) + (y * y)) <= (radius * radius));
 }
 
-fn intersect_flat(kind: u32, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+fn intersect_flat(flags: u32, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+    let kind = (flags & SHAPE_MASK);
     if (kind == SHAPE_PLANE) {
         let t = (-ray.origin.z / away_from_zero(ray.direction.z));
         if ((t > t_min) && (t < t_max)) {
@@ -356,7 +360,8 @@ fn intersect_flat(kind: u32, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
     let z = (ray.origin.z + (t * ray.direction.z));
     var inside = (((abs(x) <= 1.0) && (z >= 0.0)) && (z <= 1.0));
     if (kind == SHAPE_TRIANGLE) {
-        inside = (((x >= 0.0) && (z >= 0.0)) && ((x + z) <= 1.0));
+        let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, (ray.direction.y < 0.0));
+        inside = ((((x >= 0.0) && (z >= 0.0)) && ((x + z) <= 1.0)) && ((flags & hidden) == 0u));
     }
     if ((inside && (t > t_min)) && (t < t_max)) {
         return ShapeHit(t, 0u);
@@ -368,7 +373,7 @@ fn intersect_shape(shape: ShapeRecord, ray_world: Ray, t_min: f32, t_max: f32) -
     let ray = transform_ray(shape.object_from_world, ray_world);
     let kind = (shape.kind & SHAPE_MASK);
     if (kind >= SHAPE_PLANE) {
-        return intersect_flat(kind, ray, t_min, t_max);
+        return intersect_flat(shape.kind, ray, t_min, t_max);
     }
     if (kind == SHAPE_FRUSTUM) {
         return intersect_frustum(shape, ray, t_min, t_max);
@@ -506,7 +511,7 @@ fn surface_point(shape: ShapeRecord, surface: SurfaceRecord, ray: Ray, hit: Shap
     let e = vec4f(error_object.x, error_object.y, error_object.z, 0.0);
     let carried = vec3f(dot(abs(m.row0), e), dot(abs(m.row1), e), dot(abs(m.row2), e));
     let error = (ROUNDING * dot(abs(normal), (error_world + carried)));
-    return SurfacePoint(position, error, normal, texture_coordinates(shape, surface.v_scale, hit.face, p));
+    return SurfacePoint(position, error, normal, texture_coordinates(shape, surface.v_scale, hit.face, p), normal);
 }
 
 fn offset_origin(point: SurfacePoint, direction: vec3f) -> vec3f {
@@ -562,6 +567,66 @@ fn pixel_position(key: SampleKey, grid: u32) -> vec2f {
     let column = (cell % grid);
     let row = (cell / grid);
     return vec2f(((f32(column) + jitter.x) / f32(grid)), ((f32(row) + jitter.y) / f32(grid)));
+}
+
+const LEAST_FACING: f32 = 1.0e-3;
+
+fn facing_normal(point: SurfacePoint, wo: vec3f) -> vec3f {
+    let side = select(-1.0, 1.0, (dot(point.normal, wo) >= 0.0));
+    let normal = (point.shading_normal * side);
+    let cosine = dot(normal, wo);
+    if (cosine >= 0.0) {
+        return normal;
+    }
+    return normalize((normal + (wo * (LEAST_FACING - cosine))));
+}
+
+fn same_side(point: SurfacePoint, facing: vec3f, wo: vec3f, direction: vec3f) -> bool {
+    let of_triangle = (dot(point.normal, direction) * dot(point.normal, wo));
+    let of_surface = dot(facing, direction);
+    return (((of_triangle >= 0.0) && (of_surface >= 0.0)) || ((of_triangle <= 0.0) && (of_surface <= 0.0)));
+}
+
+fn attribute_normal_Buffers(scene: Buffers, shape: ShapeRecord, surface: SurfaceRecord, point: SurfacePoint) -> vec3f {
+    if (((shape.kind & SHAPE_MASK) != SHAPE_TRIANGLE) || (surface.attributes == NONE)) {
+        return point.normal;
+    }
+    let last = Buffers_attribute(scene, (surface.attributes + 3u));
+    if (last.w == 0.0) {
+        return point.normal;
+    }
+    let a = Buffers_attribute(scene, surface.attributes);
+    let b = Buffers_attribute(scene, (surface.attributes + 1u));
+    let c = Buffers_attribute(scene, (surface.attributes + 2u));
+    let sum = (((vec3f(a.x, a.y, a.z) * ((1.0 - point.uv.x) - point.uv.y)) + (vec3f(b.x, b.y, b.z) * point.uv.x)) + (vec3f(c.x, c.y, c.z) * point.uv.y));
+    let squared = dot(sum, sum);
+    if (squared < 1.0e-12) {
+        return point.normal;
+    }
+    let side = select(-1.0, 1.0, (dot(sum, point.normal) >= 0.0));
+    return (sum * (side / sqrt(squared)));
+}
+
+fn attribute_uv_Buffers(scene: Buffers, shape: ShapeRecord, surface: SurfaceRecord, uv: vec2f) -> vec2f {
+    if ((shape.kind & SHAPE_MASK) != SHAPE_TRIANGLE) {
+        return uv;
+    }
+    if (surface.attributes == NONE) {
+        return vec2f(0.0, 0.0);
+    }
+    let a = Buffers_attribute(scene, surface.attributes);
+    let b = Buffers_attribute(scene, (surface.attributes + 1u));
+    let c = Buffers_attribute(scene, (surface.attributes + 2u));
+    let v = Buffers_attribute(scene, (surface.attributes + 3u));
+    let rest = ((1.0 - uv.x) - uv.y);
+    return vec2f((((a.w * rest) + (b.w * uv.x)) + (c.w * uv.y)), (((v.x * rest) + (v.y * uv.x)) + (v.z * uv.y)));
+}
+
+fn with_attributes_Buffers(scene: Buffers, shape: ShapeRecord, surface: SurfaceRecord, point: SurfacePoint) -> SurfacePoint {
+    var result = point;
+    result.shading_normal = attribute_normal_Buffers(scene, shape, surface, point);
+    result.uv = attribute_uv_Buffers(scene, shape, surface, point.uv);
+    return result;
 }
 
 fn unpack_texel(texel: u32) -> vec4f {
@@ -869,7 +934,8 @@ fn closer_hit_Buffers(
             return Hit(hit, index);
         }
         if (opacity > 0.0) {
-            let bits = pcg4d(vec4u(key.pixel, key.sample, (DIMENSION_OPACITY + Buffers_surface(scene, index).source), (key.seed ^ (((segment * 4u) + attempt) * 2654435769u))));
+            let triangle = u32(shape.top_radius);
+            let bits = pcg4d(vec4u(key.pixel, key.sample, (DIMENSION_OPACITY + Buffers_surface(scene, index).source), ((key.seed ^ (((segment * 4u) + attempt) * 2654435769u)) ^ (triangle * 2246822519u))));
             if (unit_float(bits.x) < opacity) {
                 return Hit(hit, index);
             }
@@ -941,7 +1007,9 @@ fn hit_uv_Buffers(
 ) -> vec2f {
     let ray_object = transform_ray(shape.object_from_world, ray);
     let p = snap_to_surface(shape, hit.face, (ray_object.origin + (ray_object.direction * hit.t)));
-    return texture_coordinates(shape, Buffers_surface(scene, index).v_scale, hit.face, p);
+    let surface = Buffers_surface(scene, index);
+    let uv = texture_coordinates(shape, surface.v_scale, hit.face, p);
+    return attribute_uv_Buffers(scene, shape, surface, uv);
 }
 
 fn object_transmittance_Buffers(scene: Buffers, index: u32, ray: Ray, t_max: f32) -> vec3f {
@@ -1215,7 +1283,7 @@ fn direct_light_Buffers(
     let both_sides = transmits(bsdf);
     let sample = sample_light(light, point.position, normal, both_sides, vec2f(u.y, u.z));
     let value = (evaluate_bsdf(bsdf, normal, wo, sample.direction) * sample.weight);
-    if is_dark(value) {
+    if (is_dark(value) || !same_side(point, normal, wo, sample.direction)) {
         return result;
     }
     var weight = (1.0 / choice.probability);
@@ -1303,10 +1371,11 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
         }
         let shape = Buffers_shape(scene, hit.object);
         let surface = Buffers_surface(scene, hit.object);
-        let point = surface_point(shape, surface, ray, hit.shape);
+        let flat_point = surface_point(shape, surface, ray, hit.shape);
+        let point = with_attributes_Buffers(scene, shape, surface, flat_point);
         let wo = -ray.direction;
         let cos_front = dot(point.normal, wo);
-        let normal = (point.normal * select(-1.0, 1.0, (cos_front >= 0.0)));
+        let normal = facing_normal(point, wo);
         if (surface.light != NONE) {
             result.radiance += (throughput * lamp_radiance_Buffers(scene, surface.light, previous, point.position, cos_front));
         }
@@ -1330,7 +1399,7 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
         }
         let u = random4(key, (dimension + 1u));
         let sample = sample_bsdf(bsdf, normal, wo, vec3f(u.x, u.y, u.z));
-        if (sample.event == EVENT_ABSORBED) {
+        if ((sample.event == EVENT_ABSORBED) || !same_side(point, normal, wo, sample.direction)) {
             return result;
         }
         throughput *= sample.weight;
@@ -1358,7 +1427,8 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
 @group(0) @binding(5) var<storage, read> CHANNELS: array<ChannelRecord>;
 @group(0) @binding(6) var<storage, read> TEXELS: array<u32>;
 @group(0) @binding(7) var<storage, read> LIGHTS: array<LightRecord>;
-@group(0) @binding(8) var<storage, read_write> FILM: array<FilmPixel>;
+@group(0) @binding(8) var<storage, read> ATTRIBUTES: array<vec4f>;
+@group(0) @binding(9) var<storage, read_write> FILM: array<FilmPixel>;
 
 struct Buffers {
     unused: u32
@@ -1394,6 +1464,10 @@ fn Buffers_texel(_scene: Buffers, index: u32) -> u32 {
 
 fn Buffers_light(_scene: Buffers, index: u32) -> LightRecord {
     return LIGHTS[u32(index)];
+}
+
+fn Buffers_attribute(_scene: Buffers, index: u32) -> vec4f {
+    return ATTRIBUTES[u32(index)];
 }
 
 @compute @workgroup_size(8, 8) fn render_tile(@builtin(global_invocation_id) id: vec3u) {

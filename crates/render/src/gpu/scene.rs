@@ -59,6 +59,7 @@ impl GpuScene {
             ("channels", bytes(&scene.channels)),
             ("images", bytes(&scene.texels)),
             ("lights", bytes(&scene.lights)),
+            ("mesh attributes", bytes(&scene.attributes)),
         ] {
             tables.push(storage(name, contents, record)?);
         }

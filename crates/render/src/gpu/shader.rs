@@ -1,6 +1,6 @@
 //! The kernels' view of a scene in storage buffers, and the entry point of the graphics card.
 //!
-//! The bindings are numbered as in [`super::scene`]. Seven storage buffers are within WebGPU's default limits.
+//! The bindings are numbered as in [`super::scene`]. Eight storage buffers are what WebGPU guarantees.
 
 use wgsl_rs::wgsl;
 
@@ -20,7 +20,8 @@ pub mod kernel {
     storage!(group(0), binding(5), CHANNELS: RuntimeArray<ChannelRecord>);
     storage!(group(0), binding(6), TEXELS: RuntimeArray<u32>);
     storage!(group(0), binding(7), LIGHTS: RuntimeArray<LightRecord>);
-    storage!(group(0), binding(8), read_write, FILM: RuntimeArray<FilmPixel>);
+    storage!(group(0), binding(8), ATTRIBUTES: RuntimeArray<Vec4f>);
+    storage!(group(0), binding(9), read_write, FILM: RuntimeArray<FilmPixel>);
 
     /// Stands for the storage buffers where the kernels expect a scene.
     #[derive(Copy, Clone, Wgsl)]
@@ -52,6 +53,9 @@ pub mod kernel {
         }
         fn light(_scene: Buffers, index: u32) -> LightRecord {
             get!(LIGHTS)[index as usize]
+        }
+        fn attribute(_scene: Buffers, index: u32) -> Vec4f {
+            get!(ATTRIBUTES)[index as usize]
         }
     }
 
