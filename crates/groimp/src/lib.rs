@@ -7,6 +7,7 @@
 
 mod archive;
 mod build;
+mod channel_maps;
 mod channels;
 mod classes;
 mod error;

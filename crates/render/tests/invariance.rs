@@ -22,7 +22,7 @@ fn garden() -> Scene {
     let image =
         b.scene.add_image(Image { name: "leaf".into(), width: 64, height: 64, pixels: pixels.into() });
     let leaf = b.phong(|s| Phong {
-        diffuse: Some(s.add_channel(scene::Channel::ImageMap { image, bilinear: true })),
+        diffuse: Some(s.add_channel(scene::Channel::ImageMap { image, bilinear: true, coordinates: vec![] })),
         diffuse_transparency: grey(s, 0.2),
         ..Phong::default()
     });
@@ -187,7 +187,11 @@ fn the_shadow_of_a_cut_out_leaf_is_the_shadow_of_its_outline() {
     let image =
         cut.scene.add_image(Image { name: "hole".into(), width: 4, height: 4, pixels: pixels.into() });
     let frame = cut.phong(|s| Phong {
-        diffuse: Some(s.add_channel(scene::Channel::ImageMap { image, bilinear: false })),
+        diffuse: Some(s.add_channel(scene::Channel::ImageMap {
+            image,
+            bilinear: false,
+            coordinates: vec![],
+        })),
         ..Phong::default()
     });
     cut.rectangle(DVec3::new(0.0, 0.0, 1.0), (1.0, 1.0), true, frame);
