@@ -1,8 +1,8 @@
-//! Channels of Phong shaders: constants and pictures.
+//! Channels of Phong shaders: constants, pictures and the maps of `channel_maps`.
 
 use crate::ReadError;
 use crate::fields::{number_of, wrong_value};
-use crate::graph::Graph;
+use crate::graph::{Graph, NodeIndex};
 use crate::images::Images;
 use crate::inline::registry_path;
 use crate::modules::StaticChannel;
@@ -10,14 +10,14 @@ use crate::output::Output;
 use crate::registry::Registry;
 use crate::report::Location;
 use crate::values::{Kind, Members, Value, parse_number, tokens};
-use scene::{Channel, ChannelId, ImageId, Phong, Rgb};
+use scene::{Channel, ChannelId, CoordinateMap, ImageId, Phong, Rgb};
 use std::collections::HashMap;
 
 /// Average colour of a shader.
 pub(crate) struct Mean(pub Rgb);
 
 /// Value of a picture that is not there.
-const MISSING: Rgb = [0.5; 3];
+pub(crate) const MISSING: Rgb = [0.5; 3];
 
 /// Constants of `math.RGBColor`, 0xRRGGBB.
 const COLORS: [[u8; 3]; 13] = [
@@ -37,23 +37,51 @@ const COLORS: [[u8; 3]; 13] = [
 ];
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-enum Key {
+pub(crate) enum Key {
     Constant([u64; 3]),
     Image(ImageId, bool),
 }
 
+/// Maps in maps are read so deep; beyond it stands a file made to exhaust the stack.
+const MAX_DEPTH: u32 = 100;
+
+/// Where a channel map stands in the file.
+pub(crate) struct MapNode<'a> {
+    pub class: &'a str,
+    pub fields: Members,
+    pub line: usize,
+    /// The node, if it is one and not written in place.
+    pub node: Option<NodeIndex>,
+}
+
+impl<'a> MapNode<'a> {
+    /// The class without its package.
+    pub fn short_class(&self) -> &'a str {
+        self.class.rsplit('.').next().unwrap_or("")
+    }
+}
+
 /// All channels of a scene, each built once.
 pub(crate) struct Channels<'a> {
-    graph: &'a Graph,
+    pub(crate) graph: &'a Graph,
     registry: &'a Registry,
     images: Images,
     by_value: HashMap<Key, ChannelId>,
+    /// What the nodes of maps became; `None` while one is being read.
+    by_node: HashMap<NodeIndex, Option<ChannelId>>,
     means: Vec<Rgb>,
 }
 
 impl<'a> Channels<'a> {
     pub fn new(graph: &'a Graph, registry: &'a Registry, images: Images) -> Self {
-        Channels { graph, registry, images, by_value: HashMap::new(), means: Vec::new() }
+        Channels {
+            graph,
+            registry,
+            images,
+            by_value: HashMap::new(),
+            by_node: HashMap::new(),
+            means: Vec::new(),
+        }
     }
 
     /// A Phong shader from its fields in the file.
@@ -61,7 +89,7 @@ impl<'a> Channels<'a> {
         let mut phong = self.plain_phong(self.graph.values.find(fields, "diffuse").is_some(), out);
         for name in CHANNEL_NAMES {
             if let Some(value) = self.graph.values.find(fields, name) {
-                let channel = self.channel(value, name, out)?;
+                let channel = self.channel(value, name, 0, out)?;
                 set(&mut phong, name, channel);
             }
         }
@@ -84,7 +112,7 @@ impl<'a> Channels<'a> {
                 StaticChannel::Gray(value) => self.constant([*value; 3], out),
                 StaticChannel::Image(image) => {
                     let path = format!("/project/objects/images/{}", image.replace('/', "\\/"));
-                    self.image(&path, true, None, out)?
+                    self.image(&path, true, Vec::new(), None, out)?
                 }
             };
             set(&mut phong, name, Some(channel));
@@ -103,30 +131,66 @@ impl<'a> Channels<'a> {
         (phong, Mean(mean.unwrap_or([0.0; 3])))
     }
 
-    fn channel(
+    /// A channel, or a map inside of `depth` others.
+    pub(crate) fn channel(
         &mut self,
         value: &'a Value,
         name: &str,
+        depth: u32,
         out: &mut Output,
     ) -> Result<Option<ChannelId>, ReadError> {
-        let (class, fields, line) = match value.kind {
-            Kind::Null => return Ok(None),
-            Kind::Ref => {
-                let target = value.text().parse().ok().and_then(|id| self.graph.by_id(id));
-                let Some(index) = target else {
-                    let message =
-                        format!("channel {name} refers to node '{}', which is not in the file", value.text());
-                    out.report.warn(message + "; grey is used instead", self.graph.location(value.line));
-                    return Ok(Some(self.constant(MISSING, out)));
-                };
-                let node = self.graph.node(index);
-                (self.graph.type_name(index), node.fields, node.line)
-            }
-            Kind::Data | Kind::Object | Kind::Array | Kind::Shared | Kind::Serialized => {
-                (self.graph.values.type_of(value).unwrap_or(""), value.members, value.line)
-            }
+        if value.kind == Kind::Null {
+            return Ok(None);
+        }
+        let Some(map) = self.map_node(value) else {
+            let message =
+                format!("channel {name} refers to node '{}', which is not in the file", value.text());
+            out.report.warn(message + "; grey is used instead", self.graph.location(value.line));
+            return Ok(Some(self.constant(MISSING, out)));
         };
-        let constant = match class.rsplit('.').next().unwrap_or("") {
+        if depth > MAX_DEPTH {
+            let message = format!("channel maps are nested deeper than {MAX_DEPTH}; grey is used instead");
+            out.report.warn(message, self.graph.location(map.line));
+            return Ok(Some(self.constant(MISSING, out)));
+        }
+        let Some(node) = map.node else { return self.read_map(value, &map, depth, out).map(Some) };
+        match self.by_node.get(&node) {
+            Some(Some(id)) => Ok(Some(*id)),
+            Some(None) => {
+                let message = "a channel map contains itself; grey is used instead there";
+                out.report.warn(message, self.graph.location(map.line));
+                Ok(Some(self.constant(MISSING, out)))
+            }
+            None => {
+                self.by_node.insert(node, None);
+                let id = self.read_map(value, &map, depth, out)?;
+                self.by_node.insert(node, Some(id));
+                Ok(Some(id))
+            }
+        }
+    }
+
+    /// Where the map stands that a value is or refers to; `None` if there is no such node.
+    pub(crate) fn map_node(&self, value: &'a Value) -> Option<MapNode<'a>> {
+        if value.kind == Kind::Ref {
+            let index = value.text().parse().ok().and_then(|id| self.graph.by_id(id))?;
+            let node = self.graph.node(index);
+            let class = self.graph.type_name(index);
+            return Some(MapNode { class, fields: node.fields, line: node.line, node: Some(index) });
+        }
+        let class = self.graph.values.type_of(value).unwrap_or("");
+        Some(MapNode { class, fields: value.members, line: value.line, node: None })
+    }
+
+    fn read_map(
+        &mut self,
+        value: &'a Value,
+        map: &MapNode<'a>,
+        depth: u32,
+        out: &mut Output,
+    ) -> Result<ChannelId, ReadError> {
+        let MapNode { fields, line, .. } = *map;
+        let constant = match map.short_class() {
             "RGBColor" => color_of(self.graph, value)?,
             "Graytone" => match self.graph.values.find(fields, "value") {
                 Some(gray) => [number_of(self.graph, gray, "Graytone", "value")?; 3],
@@ -136,7 +200,8 @@ impl<'a> Channels<'a> {
                 // The default is unverified.
                 None => [0.5; 3],
             },
-            "ImageMap" => return self.image_map(fields, line, out).map(Some),
+            "ImageMap" => return self.image_map(fields, line, out),
+            "Checker" => return self.checker(fields, line, depth, out),
             other => {
                 let message =
                     format!("channel maps of class '{other}' are not supported yet; grey is used instead");
@@ -144,19 +209,16 @@ impl<'a> Channels<'a> {
                 MISSING
             }
         };
-        Ok(Some(self.constant(constant, out)))
+        Ok(self.constant(constant, out))
     }
 
     fn image_map(&mut self, fields: Members, line: usize, out: &mut Output) -> Result<ChannelId, ReadError> {
         let find = |name| self.graph.values.find(fields, name);
         let bilinear = find("bilinearFiltering").is_none_or(|v| v.text() != "false");
-        if find("input").is_some_and(|v| v.kind != Kind::Null) {
-            let message = "the coordinate transformation of an ImageMap is not supported yet and left out";
-            out.report.warn(message, self.graph.location(line));
-        }
+        let coordinates = self.coordinates(fields, line, out)?;
         let location = self.graph.location(line);
         match find("image").and_then(|image| registry_path(image.text())) {
-            Some(path) => self.image(&path, bilinear, location, out),
+            Some(path) => self.image(&path, bilinear, coordinates, location, out),
             None => {
                 let message = "an ImageMap names no image of the project; grey is used instead";
                 out.report.warn(message, location);
@@ -169,6 +231,7 @@ impl<'a> Channels<'a> {
         &mut self,
         path: &str,
         bilinear: bool,
+        coordinates: Vec<CoordinateMap>,
         location: Option<Location>,
         out: &mut Output,
     ) -> Result<ChannelId, ReadError> {
@@ -179,27 +242,43 @@ impl<'a> Channels<'a> {
         };
         let image = self.images.load(file, location, &mut out.scene, &mut out.report)?;
         let Some(image) = image else { return Ok(self.constant(MISSING, out)) };
-        if let Some(id) = self.by_value.get(&Key::Image(image, bilinear)) {
+        let plain = coordinates.is_empty().then_some(Key::Image(image, bilinear));
+        if let Some(id) = plain.and_then(|key| self.by_value.get(&key)) {
             return Ok(*id);
         }
         let [r, g, b, _] = out.scene.images[image.index()].mean();
-        Ok(self.add(Key::Image(image, bilinear), Channel::ImageMap { image, bilinear }, [r, g, b], out))
+        let channel = Channel::ImageMap { image, bilinear, coordinates };
+        Ok(self.add(plain, channel, [r, g, b], out))
     }
 
-    fn constant(&mut self, color: Rgb, out: &mut Output) -> ChannelId {
+    pub(crate) fn constant(&mut self, color: Rgb, out: &mut Output) -> ChannelId {
         // NaN would spread through the whole picture.
         let color = color.map(|c| if c.is_finite() { c } else { 0.5 });
         let key = Key::Constant(color.map(f64::to_bits));
         if let Some(id) = self.by_value.get(&key) {
             return *id;
         }
-        self.add(key, Channel::Constant(color), color, out)
+        self.add(Some(key), Channel::Constant(color), color, out)
     }
 
-    fn add(&mut self, key: Key, channel: Channel, mean: Rgb, out: &mut Output) -> ChannelId {
+    /// Average colour of a channel.
+    pub(crate) fn mean(&self, id: ChannelId) -> Rgb {
+        self.means.get(id.index()).copied().unwrap_or(MISSING)
+    }
+
+    /// Adds a channel that other places with the same key, if it has one, use, too.
+    pub(crate) fn add(
+        &mut self,
+        key: Option<Key>,
+        channel: Channel,
+        mean: Rgb,
+        out: &mut Output,
+    ) -> ChannelId {
         let id = out.scene.add_channel(channel);
         self.means.push(mean);
-        self.by_value.insert(key, id);
+        if let Some(key) = key {
+            self.by_value.insert(key, id);
+        }
         id
     }
 }

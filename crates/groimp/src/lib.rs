@@ -8,6 +8,7 @@
 mod archive;
 mod body;
 mod build;
+mod channel_maps;
 mod channels;
 mod classes;
 mod error;

@@ -293,7 +293,8 @@ fn leaves_get_the_shader_that_only_their_source_names() {
     let scene::Material::Phong(phong) = &scene.materials[leaf.unwrap().material.index()] else {
         panic!("the leaf has no Phong")
     };
-    let scene::Channel::ImageMap { image, bilinear: true } = scene.channels[phong.diffuse.unwrap().index()]
+    let scene::Channel::ImageMap { image, bilinear: true, .. } =
+        scene.channels[phong.diffuse.unwrap().index()]
     else {
         panic!("the leaf has no picture")
     };

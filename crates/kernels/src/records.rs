@@ -125,16 +125,24 @@ pub mod kernel {
     pub const CHANNEL_CONSTANT: u32 = 0;
     /// The result is read from an image.
     pub const CHANNEL_IMAGE: u32 = 1;
+    /// Goes on at record `first` or `size`, by the parity of the field of a checkerboard, with the coordinates
+    /// of the surface.
+    pub const CHANNEL_CHECKER: u32 = 2;
+    /// Moves u and v by `value.xy`; goes on at the next record.
+    pub const CHANNEL_MOVE_UV: u32 = 3;
+    /// Multiplies u and v with the matrix whose rows are `value.xy` and `value.zw`; goes on at the next record.
+    pub const CHANNEL_LINEAR_UV: u32 = 4;
 
-    /// A node of a channel tree.
+    /// An instruction of a channel's program. A program ends where a value is found; until then every record says
+    /// which one is next, so that programs share their parts and need no stack, however deep they are nested.
     #[repr(C)]
     #[derive(Copy, Clone, Debug, Wgsl)]
     pub struct ChannelRecord {
         pub value: Vec4f,
         pub operation: u32,
-        /// First texel in the texel table.
-        pub first_texel: u32,
-        /// Width in the lower, height in the upper 16 bits.
+        /// Image: first texel in the texel table. Checker: record of the odd fields.
+        pub first: u32,
+        /// Image: width in the lower, height in the upper 16 bits. Checker: record of the even fields.
         pub size: u32,
         /// 1 to interpolate between texels.
         pub bilinear: u32,

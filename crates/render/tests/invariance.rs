@@ -122,7 +122,11 @@ fn the_shadow_of_a_cut_out_leaf_is_the_shadow_of_its_outline() {
     let image =
         cut.scene.add_image(Image { name: "hole".into(), width: 4, height: 4, pixels: pixels.into() });
     let frame = cut.phong(|s| Phong {
-        diffuse: Some(s.add_channel(scene::Channel::ImageMap { image, bilinear: false })),
+        diffuse: Some(s.add_channel(scene::Channel::ImageMap {
+            image,
+            bilinear: false,
+            coordinates: vec![],
+        })),
         ..Phong::default()
     });
     cut.rectangle(DVec3::new(0.0, 0.0, 1.0), (1.0, 1.0), true, frame);

@@ -67,7 +67,7 @@ fn checkered(b: &mut Builder) -> MaterialId {
     let pixels = pixels.collect::<Vec<_>>().into();
     let image = b.scene.add_image(Image { name: "checks".into(), width: 8, height: 8, pixels });
     b.phong(|s| Phong {
-        diffuse: Some(s.add_channel(Channel::ImageMap { image, bilinear: false })),
+        diffuse: Some(s.add_channel(Channel::ImageMap { image, bilinear: false, coordinates: vec![] })),
         ..Phong::default()
     })
 }

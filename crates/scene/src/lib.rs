@@ -15,10 +15,10 @@ mod object;
 mod shape;
 
 pub use camera::{Camera, Projection};
-pub use glam::{DAffine3, DMat3, DVec3};
+pub use glam::{DAffine3, DMat2, DMat3, DVec2, DVec3};
 pub use image::Image;
 pub use light::{Light, LightKind, Sky};
-pub use material::{Channel, ChannelId, Material, Phong};
+pub use material::{Channel, ChannelId, CoordinateMap, Material, Phong};
 pub use mesh::{Mesh, VisibleSides};
 pub use object::{Emission, Object, Origin};
 pub use shape::Shape;

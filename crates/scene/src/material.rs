@@ -1,4 +1,5 @@
 use crate::{ImageId, Rgb, index_type};
+use glam::{DMat2, DVec2};
 
 index_type!(
     /// Position in [`Scene::channels`](crate::Scene::channels).
@@ -43,7 +44,8 @@ pub struct Phong {
     pub interpolated_transparency: bool,
 }
 
-/// A node of a channel tree: a function from a surface point to a colour with alpha.
+/// A node of a channel tree: a function from a surface point to a colour with alpha. It refers only to channels
+/// that come before it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Channel {
     /// The same colour everywhere, alpha 1.
@@ -54,5 +56,29 @@ pub enum Channel {
         image: ImageId,
         /// Interpolate between pixels; otherwise the nearest pixel.
         bilinear: bool,
+        /// Applied one after the other to the coordinates of the surface.
+        coordinates: Vec<CoordinateMap>,
+    },
+    /// A checkerboard with two by two fields per unit of u and v. The channels in its fields see the coordinates
+    /// of the surface.
+    Checker {
+        /// In fields where floor(2u) + floor(2v) is odd.
+        odd: ChannelId,
+        /// In the other fields.
+        even: ChannelId,
+        /// Applied one after the other to the coordinates of the surface.
+        coordinates: Vec<CoordinateMap>,
+    },
+}
+
+/// A change of the coordinates at which a channel is evaluated.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CoordinateMap {
+    /// `linear * ((u, v) - offset)`, GroIMP's `AffineUVTransformation`.
+    AffineUv {
+        /// Taken away first.
+        offset: DVec2,
+        /// Rotation, shear and scale.
+        linear: DMat2,
     },
 }

@@ -2,6 +2,7 @@
 
 mod bvh;
 mod camera;
+mod channels;
 mod lights;
 mod materials;
 mod objects;
@@ -76,6 +77,12 @@ pub enum CompileError {
     TooManyTexels {
         /// Their number of pixels.
         texels: usize,
+    },
+    /// A channel refers to one that does not come before it.
+    #[error("channel {channel} of the scene refers to a channel that does not come before it")]
+    ChannelOrder {
+        /// Position of the channel.
+        channel: usize,
     },
     /// The camera's numbers make no picture.
     #[error("the camera cannot be used: its placement or opening angle is zero or not a number")]

@@ -65,11 +65,14 @@ struct MaterialRecord {
 }
 const CHANNEL_CONSTANT: u32 = 0u;
 const CHANNEL_IMAGE: u32 = 1u;
+const CHANNEL_CHECKER: u32 = 2u;
+const CHANNEL_MOVE_UV: u32 = 3u;
+const CHANNEL_LINEAR_UV: u32 = 4u;
 
 struct ChannelRecord {
     value: vec4f,
     operation: u32,
-    first_texel: u32,
+    first: u32,
     size: u32,
     bilinear: u32
 }
@@ -633,6 +636,11 @@ fn unpack_texel(texel: u32) -> vec4f {
     return (vec4f(f32((texel & 255u)), f32(((texel >> 8u) & 255u)), f32(((texel >> 16u) & 255u)), f32((texel >> 24u))) * (1.0 / 255.0));
 }
 
+fn in_odd_field(uv: vec2f) -> bool {
+    let fields = (floor((2.0 * uv.x)) + floor((2.0 * uv.y)));
+    return ((fields - (2.0 * floor((0.5 * fields)))) >= 0.5);
+}
+
 fn channel_value_Buffers(scene: Buffers, index: u32, uv: vec2f, missing: vec4f) -> vec4f {
     if (index == NONE) {
         return missing;
@@ -641,7 +649,10 @@ fn channel_value_Buffers(scene: Buffers, index: u32, uv: vec2f, missing: vec4f) 
     if (channel.operation == CHANNEL_IMAGE) {
         return image_color_Buffers(scene, channel, uv);
     }
-    return channel.value;
+    if (channel.operation == CHANNEL_CONSTANT) {
+        return channel.value;
+    }
+    return run_channel_Buffers(scene, index, uv);
 }
 
 fn fetch_texel_Buffers(scene: Buffers, channel: ChannelRecord, column: u32, row: u32) -> vec4f {
@@ -649,7 +660,7 @@ fn fetch_texel_Buffers(scene: Buffers, channel: ChannelRecord, column: u32, row:
     let height = (channel.size >> 16u);
     let x = (column % width);
     let y = ((height - 1u) - (row % height));
-    return unpack_texel(Buffers_texel(scene, ((channel.first_texel + (y * width)) + x)));
+    return unpack_texel(Buffers_texel(scene, ((channel.first + (y * width)) + x)));
 }
 
 fn image_color_Buffers(scene: Buffers, channel: ChannelRecord, uv: vec2f) -> vec4f {
@@ -671,6 +682,31 @@ fn image_color_Buffers(scene: Buffers, channel: ChannelRecord, uv: vec2f) -> vec
     let lower = ((corner * (1.0 - wx)) + (right * wx));
     let upper = ((above * (1.0 - wx)) + (above_right * wx));
     return ((lower * (1.0 - wy)) + (upper * wy));
+}
+
+fn run_channel_Buffers(scene: Buffers, start: u32, surface_uv: vec2f) -> vec4f {
+    var uv = surface_uv;
+    var index = start;
+    var channel = Buffers_channel(scene, index);
+    while (channel.operation > CHANNEL_IMAGE) {
+        if (channel.operation == CHANNEL_CHECKER) {
+            index = select(channel.size, channel.first, in_odd_field(uv));
+            uv = surface_uv;
+        } else {
+            let v = channel.value;
+            if (channel.operation == CHANNEL_MOVE_UV) {
+                uv = vec2f((uv.x + v.x), (uv.y + v.y));
+            } else {
+                uv = vec2f(((v.x * uv.x) + (v.y * uv.y)), ((v.z * uv.x) + (v.w * uv.y)));
+            }
+            index += 1u;
+        }
+        channel = Buffers_channel(scene, index);
+    }
+    if (channel.operation == CHANNEL_IMAGE) {
+        return image_color_Buffers(scene, channel, uv);
+    }
+    return channel.value;
 }
 
 struct Bsdf {

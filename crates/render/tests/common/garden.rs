@@ -19,7 +19,7 @@ pub fn garden() -> Scene {
     let image =
         b.scene.add_image(Image { name: "leaf".into(), width: 64, height: 64, pixels: pixels.into() });
     let leaf = b.phong(|s| Phong {
-        diffuse: Some(s.add_channel(scene::Channel::ImageMap { image, bilinear: true })),
+        diffuse: Some(s.add_channel(scene::Channel::ImageMap { image, bilinear: true, coordinates: vec![] })),
         diffuse_transparency: grey(s, 0.2),
         ..Phong::default()
     });
