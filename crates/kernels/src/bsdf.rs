@@ -85,19 +85,14 @@ pub mod kernel {
         vec3f(1.0 - cover, 1.0 - cover, 1.0 - cover) + tau * cover
     }
 
-    /// Probability that a ray meets the surface at all; the rest passes undisturbed.
-    ///
-    /// This is the colourless part of the transparency, resolved during traversal, so that cut-out leaves cost
-    /// no path segments. A sharp transmission lobe without refraction is such a passage; a blurred one is not.
-    pub fn surface_opacity<S: SceneAccess + Copy>(scene: S, material: MaterialRecord, uv: Vec2f) -> f32 {
-        let grey = vec4f(0.5, 0.5, 0.5, 1.0);
-        let diffuse = channel_value::<S>(scene, material.diffuse, uv, grey);
+    /// The part of the transparency `tau` that is undisturbed passage. A sharp transmission lobe without refraction
+    /// is such a passage; of a blurred one only the cut-out is.
+    pub fn undisturbed_part(material: MaterialRecord, tau: Vec3f, alpha: f32) -> Vec3f {
         if material.transparency_shininess != NONE {
-            // Only the cut-out is a passage.
-            return clamp(diffuse.w * material.opacity, 0.0, 1.0);
+            let clear = clamp(1.0 - alpha * material.opacity, 0.0, 1.0);
+            return vec3f(clear, clear, clear);
         }
-        let tau = clear_transmission::<S>(scene, material, uv, diffuse.w);
-        clamp(1.0 - min(tau.x, min(tau.y, tau.z)), 0.0, 1.0)
+        clamp(tau, vec3f(0.0, 0.0, 0.0), vec3f(1.0, 1.0, 1.0))
     }
 
     /// Undisturbed passage per channel of a surface that a shadow ray crosses.
@@ -108,12 +103,16 @@ pub mod kernel {
     ) -> Vec3f {
         let grey = vec4f(0.5, 0.5, 0.5, 1.0);
         let diffuse = channel_value::<S>(scene, material.diffuse, uv, grey);
-        if material.transparency_shininess != NONE {
-            let clear = clamp(1.0 - diffuse.w * material.opacity, 0.0, 1.0);
-            return vec3f(clear, clear, clear);
-        }
         let tau = clear_transmission::<S>(scene, material, uv, diffuse.w);
-        clamp(tau, vec3f(0.0, 0.0, 0.0), vec3f(1.0, 1.0, 1.0))
+        undisturbed_part(material, tau, diffuse.w)
+    }
+
+    /// Probability that a ray meets the surface at all; the rest passes undisturbed.
+    ///
+    /// This is the colourless part of the transparency, resolved during traversal, so that cut-out leaves cost
+    /// no path segments.
+    pub fn surface_opacity<S: SceneAccess + Copy>(scene: S, material: MaterialRecord, uv: Vec2f) -> f32 {
+        1.0 - smallest(surface_transmittance::<S>(scene, material, uv))
     }
 
     /// The scattering function at a point, given that the ray met the surface (see `surface_opacity`).
@@ -138,11 +137,11 @@ pub mod kernel {
 
         // The coefficients hold for all light that arrives; here only the share `opacity` arrives. What passes
         // undisturbed in all channels was dealt with by the opacity, the coloured rest is left.
-        let opacity = max(surface_opacity::<S>(scene, material, uv), 1.0e-6);
+        let opacity = max(1.0 - smallest(undisturbed_part(material, tau, c_d.w)), 1.0e-6);
         let mut straight = zero;
         let mut blurred = zero;
         if material.transparency_shininess == NONE {
-            let passed = min(tau.x, min(tau.y, tau.z));
+            let passed = smallest(tau);
             straight = max(tau - vec3f(passed, passed, passed), zero);
         } else {
             let cut = 1.0 - clamp(c_d.w * material.opacity, 0.0, 1.0);

@@ -129,7 +129,7 @@ pub mod kernel {
         result
     }
 
-    /// True if light may leave on the side opposite to where it came previous.
+    /// True if light may leave on the side opposite to where it came from.
     pub fn transmits(bsdf: Bsdf) -> bool {
         largest(bsdf.diffuse_transmission + bsdf.glossy_transmission) > 0.0
     }

@@ -352,6 +352,12 @@ pub mod kernel {
     /// Unit roundoff of 32-bit floats times a safety factor for the handful of operations between two hits.
     pub const ROUNDING: f32 = 4.0e-7;
 
+    /// The point in object space, exactly on the surface, where a world-space ray hit.
+    pub fn hit_point(shape: ShapeRecord, ray_world: Ray, hit: ShapeHit) -> Vec3f {
+        let ray = transform_ray(shape.object_from_world, ray_world);
+        snap_to_surface(shape, hit.face, ray.origin + ray.direction * hit.t)
+    }
+
     /// Everything about the point where `ray` hit the shape at parameter `hit.t`, except the attributes of meshes.
     pub fn surface_point(
         shape: ShapeRecord,
@@ -359,8 +365,7 @@ pub mod kernel {
         ray: Ray,
         hit: ShapeHit,
     ) -> SurfacePoint {
-        let ray_object = transform_ray(shape.object_from_world, ray);
-        let p = snap_to_surface(shape, hit.face, ray_object.origin + ray_object.direction * hit.t);
+        let p = hit_point(shape, ray, hit);
         let position = transform_point(surface.world_from_object, p);
         let normal =
             normalize(transform_transposed(shape.object_from_world, object_normal(shape, hit.face, p)));

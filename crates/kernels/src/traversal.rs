@@ -51,8 +51,7 @@ pub mod kernel {
         ray: Ray,
         hit: ShapeHit,
     ) -> Vec2f {
-        let ray_object = transform_ray(shape.object_from_world, ray);
-        let p = snap_to_surface(shape, hit.face, ray_object.origin + ray_object.direction * hit.t);
+        let p = hit_point(shape, ray, hit);
         let surface = S::surface(scene, index);
         let uv = texture_coordinates(shape, surface.v_scale, hit.face, p);
         attribute_uv::<S>(scene, shape, surface, uv)
@@ -71,7 +70,8 @@ pub mod kernel {
     ) -> Hit {
         let shape = S::shape(scene, index);
         let mut t_min: f32 = 0.0;
-        for attempt in 0..4u32 {
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for attempt in 0..MAX_HITS_PER_OBJECT {
             let hit = intersect_shape(shape, ray, t_min, best.shape.t);
             if hit.t >= NO_HIT {
                 return best;
@@ -91,7 +91,9 @@ pub mod kernel {
                     key.pixel,
                     key.sample,
                     DIMENSION_OPACITY + S::surface(scene, index).source,
-                    key.seed ^ ((segment * 4u32 + attempt) * 2654435769u32) ^ (triangle * 2246822519u32),
+                    key.seed
+                        ^ ((segment * MAX_HITS_PER_OBJECT + attempt) * 2654435769u32)
+                        ^ (triangle * 2246822519u32),
                 ));
                 if unit_float(bits.x) < opacity {
                     return Hit { shape: hit, object: index };
@@ -166,7 +168,8 @@ pub mod kernel {
         let shape = S::shape(scene, index);
         let mut passed = vec3f(1.0, 1.0, 1.0);
         let mut t_min: f32 = 0.0;
-        for _attempt in 0..4u32 {
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for _attempt in 0..MAX_HITS_PER_OBJECT {
             let hit = intersect_shape(shape, ray, t_min, t_max);
             if hit.t >= NO_HIT {
                 return passed;

@@ -71,6 +71,11 @@ pub mod kernel {
         dot(color, vec3f(0.2126, 0.7152, 0.0722))
     }
 
+    /// The smallest of the three channels.
+    pub fn smallest(color: Vec3f) -> f32 {
+        min(color.x, min(color.y, color.z))
+    }
+
     /// The largest of the three channels.
     pub fn largest(color: Vec3f) -> f32 {
         max(color.x, max(color.y, color.z))

@@ -1,7 +1,7 @@
 //! Choosing a device.
 
 use crate::cpu::Cpu;
-use crate::gpu::{Gpu, GpuInfo, list_gpus};
+use crate::gpu::{Gpu, GpuInfo};
 use crate::{Device, DeviceError};
 use std::str::FromStr;
 use std::sync::Arc;
@@ -49,7 +49,7 @@ pub fn open_device(choice: DeviceChoice, threads: Option<usize>) -> Result<Box<d
     match choice {
         DeviceChoice::Cpu => Ok(Box::new(Cpu::new(threads)?)),
         DeviceChoice::Gpu(number) => Ok(Box::new(Arc::new(Gpu::open(number.unwrap_or(0))?))),
-        DeviceChoice::Auto => match automatic_gpu(&list_gpus()).map(Gpu::open) {
+        DeviceChoice::Auto => match Gpu::open_automatic() {
             Some(Ok(gpu)) => Ok(Box::new(Arc::new(gpu))),
             Some(Err(_)) | None => Ok(Box::new(Cpu::new(threads)?)),
         },

@@ -76,13 +76,13 @@ fn describe(index: usize, info: &wgpu::AdapterInfo) -> GpuInfo {
 }
 
 /// All adapters in one line, for messages.
-pub(super) fn summary() -> String {
-    let gpus = list_gpus();
-    if gpus.is_empty() {
+pub(super) fn summary(adapters: &[(wgpu::Adapter, GpuInfo)]) -> String {
+    if adapters.is_empty() {
         return "none".to_owned();
     }
-    gpus.iter()
-        .map(|gpu| format!("{} {} ({})", gpu.index, gpu.name, gpu.backend))
+    adapters
+        .iter()
+        .map(|(_, gpu)| format!("{} {} ({})", gpu.index, gpu.name, gpu.backend))
         .collect::<Vec<_>>()
         .join(", ")
 }

@@ -44,9 +44,21 @@ impl Gpu {
     /// If there is no such adapter or it refuses to run the kernels.
     pub fn open(index: usize) -> Result<Self, DeviceError> {
         let adapters = adapters::all();
-        let Some((adapter, info)) = adapters.get(index) else {
-            return Err(DeviceError::NoSuchGpu { wanted: index, found: adapters::summary() });
-        };
+        match adapters.get(index) {
+            Some((adapter, info)) => Self::start(adapter, info),
+            None => Err(DeviceError::NoSuchGpu { wanted: index, found: adapters::summary(&adapters) }),
+        }
+    }
+
+    /// Opens the adapter that [`crate::automatic_gpu`] chooses; `None` if there is none to choose.
+    pub(crate) fn open_automatic() -> Option<Result<Self, DeviceError>> {
+        let adapters = adapters::all();
+        let infos: Vec<GpuInfo> = adapters.iter().map(|(_, info)| info.clone()).collect();
+        let (adapter, info) = adapters.get(crate::automatic_gpu(&infos)?)?;
+        Some(Self::start(adapter, info))
+    }
+
+    fn start(adapter: &wgpu::Adapter, info: &GpuInfo) -> Result<Self, DeviceError> {
         let failed = |doing: &'static str, reason: String| DeviceError::Gpu {
             device: info.name.clone(),
             doing,

@@ -200,6 +200,10 @@ fn luminance(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));
 }
 
+fn smallest(color: vec3f) -> f32 {
+    return min(color.x, min(color.y, color.z));
+}
+
 fn largest(color: vec3f) -> f32 {
     return max(color.x, max(color.y, color.z));
 }
@@ -503,9 +507,13 @@ fn box_cross(face: u32, p: vec3f) -> vec2f {
 }
 const ROUNDING: f32 = 4.0e-7;
 
+fn hit_point(shape: ShapeRecord, ray_world: Ray, hit: ShapeHit) -> vec3f {
+    let ray = transform_ray(shape.object_from_world, ray_world);
+    return snap_to_surface(shape, hit.face, (ray.origin + (ray.direction * hit.t)));
+}
+
 fn surface_point(shape: ShapeRecord, surface: SurfaceRecord, ray: Ray, hit: ShapeHit) -> SurfacePoint {
-    let ray_object = transform_ray(shape.object_from_world, ray);
-    let p = snap_to_surface(shape, hit.face, (ray_object.origin + (ray_object.direction * hit.t)));
+    let p = hit_point(shape, ray, hit);
     let position = transform_point(surface.world_from_object, p);
     let normal = normalize(transform_transposed(shape.object_from_world, object_normal(shape, hit.face, p)));
     let error_world = transform_magnitude(surface.world_from_object, p);
@@ -743,6 +751,14 @@ fn shininess_exponent(shininess: f32) -> f32 {
     return min((-2.0 / log(y)), MIRROR_EXPONENT);
 }
 
+fn undisturbed_part(material: MaterialRecord, tau: vec3f, alpha: f32) -> vec3f {
+    if (material.transparency_shininess != NONE) {
+        let clear = clamp((1.0 - (alpha * material.opacity)), 0.0, 1.0);
+        return vec3f(clear, clear, clear);
+    }
+    return clamp(tau, vec3f(0.0, 0.0, 0.0), vec3f(1.0, 1.0, 1.0));
+}
+
 fn glossy_norm(exponent: f32) -> f32 {
     let excess = (1.0 + (0.08 * max(0.0, (1.0 - exponent))));
     return ((exponent + 2.0) / (TWO_PI * excess));
@@ -871,11 +887,11 @@ fn material_bsdf_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) ->
         diffuse *= (one - tau);
         glossy *= (one - tau);
     }
-    let opacity = max(surface_opacity_Buffers(scene, material, uv), 1.0e-6);
+    let opacity = max((1.0 - smallest(undisturbed_part(material, tau, c_d.w))), 1.0e-6);
     var straight = zero;
     var blurred = zero;
     if (material.transparency_shininess == NONE) {
-        let passed = min(tau.x, min(tau.y, tau.z));
+        let passed = smallest(tau);
         straight = max((tau - vec3f(passed, passed, passed)), zero);
     } else {
         let cut = (1.0 - clamp((c_d.w * material.opacity), 0.0, 1.0));
@@ -895,24 +911,14 @@ fn material_bsdf_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) ->
 }
 
 fn surface_opacity_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) -> f32 {
-    let grey = vec4f(0.5, 0.5, 0.5, 1.0);
-    let diffuse = channel_value_Buffers(scene, material.diffuse, uv, grey);
-    if (material.transparency_shininess != NONE) {
-        return clamp((diffuse.w * material.opacity), 0.0, 1.0);
-    }
-    let tau = clear_transmission_Buffers(scene, material, uv, diffuse.w);
-    return clamp((1.0 - min(tau.x, min(tau.y, tau.z))), 0.0, 1.0);
+    return (1.0 - smallest(surface_transmittance_Buffers(scene, material, uv)));
 }
 
 fn surface_transmittance_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) -> vec3f {
     let grey = vec4f(0.5, 0.5, 0.5, 1.0);
     let diffuse = channel_value_Buffers(scene, material.diffuse, uv, grey);
-    if (material.transparency_shininess != NONE) {
-        let clear = clamp((1.0 - (diffuse.w * material.opacity)), 0.0, 1.0);
-        return vec3f(clear, clear, clear);
-    }
     let tau = clear_transmission_Buffers(scene, material, uv, diffuse.w);
-    return clamp(tau, vec3f(0.0, 0.0, 0.0), vec3f(1.0, 1.0, 1.0));
+    return undisturbed_part(material, tau, diffuse.w);
 }
 
 struct Hit {
@@ -956,7 +962,7 @@ fn closer_hit_Buffers(
 ) -> Hit {
     let shape = Buffers_shape(scene, index);
     var t_min: f32 = 0.0;
-    for (var attempt = 0u; attempt < 4u; attempt++) {
+    for (var attempt = 0u; attempt < MAX_HITS_PER_OBJECT; attempt++) {
         let hit = intersect_shape(shape, ray, t_min, best.shape.t);
         if (hit.t >= NO_HIT) {
             return best;
@@ -971,7 +977,7 @@ fn closer_hit_Buffers(
         }
         if (opacity > 0.0) {
             let triangle = u32(shape.top_radius);
-            let bits = pcg4d(vec4u(key.pixel, key.sample, (DIMENSION_OPACITY + Buffers_surface(scene, index).source), ((key.seed ^ (((segment * 4u) + attempt) * 2654435769u)) ^ (triangle * 2246822519u))));
+            let bits = pcg4d(vec4u(key.pixel, key.sample, (DIMENSION_OPACITY + Buffers_surface(scene, index).source), ((key.seed ^ (((segment * MAX_HITS_PER_OBJECT) + attempt) * 2654435769u)) ^ (triangle * 2246822519u))));
             if (unit_float(bits.x) < opacity) {
                 return Hit(hit, index);
             }
@@ -1041,8 +1047,7 @@ fn hit_uv_Buffers(
     ray: Ray,
     hit: ShapeHit,
 ) -> vec2f {
-    let ray_object = transform_ray(shape.object_from_world, ray);
-    let p = snap_to_surface(shape, hit.face, (ray_object.origin + (ray_object.direction * hit.t)));
+    let p = hit_point(shape, ray, hit);
     let surface = Buffers_surface(scene, index);
     let uv = texture_coordinates(shape, surface.v_scale, hit.face, p);
     return attribute_uv_Buffers(scene, shape, surface, uv);
@@ -1052,7 +1057,7 @@ fn object_transmittance_Buffers(scene: Buffers, index: u32, ray: Ray, t_max: f32
     let shape = Buffers_shape(scene, index);
     var passed = vec3f(1.0, 1.0, 1.0);
     var t_min: f32 = 0.0;
-    for (var _attempt = 0u; _attempt < 4u; _attempt++) {
+    for (var _attempt = 0u; _attempt < MAX_HITS_PER_OBJECT; _attempt++) {
         let hit = intersect_shape(shape, ray, t_min, t_max);
         if (hit.t >= NO_HIT) {
             return passed;

@@ -66,21 +66,13 @@ impl Builder {
     ) -> &mut Object {
         let shape = Shape::Parallelogram {
             length: size.1,
-            axis: DVec3::new(0.5 * size.0, 0.0, 0.0) * if front_up { 1.0 } else { -1.0 },
+            axis: DVec3::new(0.5 * size.0, 0.0, 0.0) * if front_up { -1.0 } else { 1.0 },
             scale_v: false,
         };
         // Local z runs along world y; the front of axis +x is local +y, which becomes world -z.
         let turn = DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
         let world = DAffine3::from_translation(centre - DVec3::new(0.0, 0.5 * size.1, 0.0)) * turn;
-        let object = self.object(shape, world, material);
-        // Local +y is world -z under this turn; the axis is chosen so that `front_up` holds.
-        object.shape = match object.shape.clone() {
-            Shape::Parallelogram { length, axis, scale_v } => {
-                Shape::Parallelogram { length, axis: -axis, scale_v }
-            }
-            other => other,
-        };
-        object
+        self.object(shape, world, material)
     }
 
     pub fn look(&mut self, eye: DVec3, at: DVec3, up: DVec3, fov_degrees: f64) {
