@@ -49,14 +49,29 @@ pub(crate) fn transformed(bounds: (DVec3, DVec3), matrix: &DAffine3) -> (DVec3, 
     (centre - extent, centre + extent)
 }
 
-/// Boxes of all groups in their own spaces. Groups may refer to each other in any order; a group that contains
-/// itself gets the box of what is not itself.
+/// Boxes of all groups in their own spaces.
 pub(crate) fn group_bounds(groups: &[Group], meshes: &[Mesh]) -> Vec<Bounds> {
-    let own = groups
-        .iter()
-        .map(|group| group.objects.iter().fold(None, |bounds, object| joined(bounds, object.bounds(meshes))));
-    let own: Vec<Bounds> = own.collect();
-    let mut known: Vec<Option<Bounds>> = vec![None; groups.len()];
+    let own =
+        |group: &Group| group.objects.iter().fold(None, |bounds, object| joined(bounds, object.bounds(meshes)));
+    fold_groups(groups, own, |all, instance, inner| {
+        joined(all, inner.map(|inner| transformed(inner, &instance.world_from_group)))
+    })
+}
+
+/// Numbers of objects of all groups, those of groups within groups included.
+pub(crate) fn group_sizes(groups: &[Group]) -> Vec<u64> {
+    fold_groups(groups, |group| group.objects.len() as u64, |all, _, inner| all.saturating_add(inner))
+}
+
+/// A value for every group from its own members and the values of the groups in it. Groups may refer to each other
+/// in any order; what would make a group contain itself is left out.
+fn fold_groups<T: Copy>(
+    groups: &[Group],
+    own: impl Fn(&Group) -> T,
+    add: impl Fn(T, &Instance, T) -> T,
+) -> Vec<T> {
+    let own: Vec<T> = groups.iter().map(own).collect();
+    let mut known: Vec<Option<T>> = vec![None; groups.len()];
     let mut started = vec![false; groups.len()];
     let mut open: Vec<usize> = (0..groups.len()).collect();
     while let Some(&index) = open.last() {
@@ -64,21 +79,19 @@ pub(crate) fn group_bounds(groups: &[Group], meshes: &[Mesh]) -> Vec<Bounds> {
             open.pop();
             continue;
         }
-        let inner =
-            || groups[index].instances.iter().filter_map(|i| known.get(i.group.index()).map(|k| (i, k)));
+        let inner = groups[index].instances.iter().filter(|instance| instance.group.index() < groups.len());
         if !std::mem::replace(&mut started[index], true) {
-            let missing: Vec<usize> =
-                inner().filter(|(_, known)| known.is_none()).map(|(i, _)| i.group.index()).collect();
-            open.extend(missing.into_iter().filter(|inner| !started[*inner]));
+            open.extend(inner.map(|instance| instance.group.index()).filter(|inner| !started[*inner]));
             continue;
         }
-        let all = inner().fold(own[index], |bounds, (instance, known)| {
-            joined(bounds, known.flatten().map(|inner| transformed(inner, &instance.world_from_group)))
-        });
-        known[index] = Some(all);
+        let with_inner = |all, instance: &Instance| match known[instance.group.index()] {
+            Some(inner) => add(all, instance, inner),
+            None => all,
+        };
+        known[index] = Some(inner.fold(own[index], with_inner));
         open.pop();
     }
-    known.into_iter().map(Option::flatten).collect()
+    known.into_iter().zip(own).map(|(known, own)| known.unwrap_or(own)).collect()
 }
 
 #[cfg(test)]
@@ -113,5 +126,6 @@ mod tests {
         };
         let expected = (DVec3::new(8.0, -2.0, -2.0), DVec3::new(112.0, 2.0, 2.0));
         assert_eq!(scene.bounds(), Some(expected));
+        assert_eq!(scene.drawn_objects(), 2);
     }
 }

@@ -126,6 +126,13 @@ impl Scene {
         id
     }
 
+    /// Number of objects, those of groups counted as often as they are placed.
+    pub fn drawn_objects(&self) -> u64 {
+        let sizes = instance::group_sizes(&self.groups);
+        let placed = self.instances.iter().filter_map(|instance| sizes.get(instance.group.index()));
+        placed.fold(self.objects.len() as u64, |all, size| all.saturating_add(*size))
+    }
+
     /// The axis-parallel box round all finite objects in world space as (minimum, maximum), or `None` when
     /// nothing finite is there. Infinite planes are left out.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
