@@ -202,7 +202,8 @@ mod tests {
             [(Shape::Sphere { radius: 2.0 }, Some(lamp)), (Shape::Plane, None), (Shape::Plane, None)];
         for (shape, emission) in shapes {
             let world_from_object = DAffine3::IDENTITY;
-            scene.objects.push(Object { shape, world_from_object, material, emission, origin });
+            let interior = None;
+            scene.objects.push(Object { shape, world_from_object, material, emission, interior, origin });
         }
         scene.sky = Some(Sky { radiance: [1.0; 3], origin });
         scene

@@ -18,7 +18,7 @@ use crate::types::Types;
 use crate::values::Kind;
 use crate::view::View;
 use glam::{DAffine3, DVec3};
-use scene::{Light, MaterialId, Object, Origin, Sky};
+use scene::{Interior, Light, MaterialId, Object, Origin, Sky};
 
 /// A drawn node's frames; what tests compare with known figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +37,7 @@ pub(crate) struct Inherited {
     pub frame: DAffine3,
     pub state: TurtleState,
     pub material: MaterialId,
+    pub interior: Option<Interior>,
 }
 
 /// Where a tree that is drawn starts.
@@ -119,7 +120,7 @@ impl<'a> Builder<'a> {
     pub fn build(&mut self) -> Result<(), ReadError> {
         self.initial = initial_turtle_state(self.graph)?;
         let material = self.shaders.predefined(GRAY, &mut self.out);
-        let root = Inherited { frame: DAffine3::IDENTITY, state: self.initial, material };
+        let root = Inherited { frame: DAffine3::IDENTITY, state: self.initial, material, interior: None };
         self.draw_tree(Root::Node(self.graph.main_root), root, usize::MAX)?;
         self.draw_groups()?;
         self.out.scene.camera = self.view.camera.clone();
@@ -220,7 +221,7 @@ impl<'a> Builder<'a> {
     ) -> Result<Placed, ReadError> {
         let node = fields.node;
         let location = self.graph.location(self.graph.node(node).line);
-        let Inherited { frame, mut state, mut material } = inherited;
+        let Inherited { frame, mut state, mut material, mut interior } = inherited;
         if class == Class::RggRoot {
             state = self.initial;
         }
@@ -231,8 +232,11 @@ impl<'a> Builder<'a> {
         }
         if class.has_shader() {
             material = self.shader_field(fields)?.unwrap_or(material);
+            if let Field::File(value) = fields.get("interior") {
+                interior = self.shaders.interior(value, &mut self.out)?.or(interior);
+            }
         }
-        let site = Site { node, class, frames };
+        let site = Site { node, class, frames, interior };
         match class {
             Class::Shoot(amount) => material = self.shoot(&site, fields, amount, &mut state, material)?,
             Class::State(command) => {
@@ -253,7 +257,7 @@ impl<'a> Builder<'a> {
             }
             Class::Instance => frames.post = self.place_instance(&site, fields, inherited, material)?,
             Class::GridCloner => {
-                let start = Inherited { frame: frames.post, state, material };
+                let start = Inherited { frame: frames.post, state, material, interior };
                 let origin = self.origin(node);
                 self.grid_of_clones(fields, start, origin)?;
             }
@@ -275,7 +279,7 @@ impl<'a> Builder<'a> {
             | Class::Orthogonal
             | Class::UnknownTurn => {}
         }
-        let for_children = Inherited { frame: frames.post, state, material };
+        let for_children = Inherited { frame: frames.post, state, material, interior };
         // Which turtle state a body starts with is unverified.
         Ok(Placed { for_children, for_body: Inherited { frame: frames.own, ..for_children } })
     }
@@ -303,7 +307,8 @@ impl<'a> Builder<'a> {
             self.skip(site.node, "its transformation is flat or not a number");
             return Ok(post);
         }
-        let start = Inherited { frame: own, state: inherited.state, material };
+        let interior = site.interior;
+        let start = Inherited { frame: own, state: inherited.state, material, interior };
         let origin = self.origin(site.node);
         let exported = self.instance(master, fields, own, start, origin)?;
         // What the master exports counts only where the instance moves its children at all.
@@ -428,7 +433,9 @@ impl<'a> Builder<'a> {
         self.has_light |= emission.is_some();
         let origin = self.origin(site.node);
         let shape = geometry.shape;
-        self.out.scene.objects.push(Object { shape, world_from_object, material, emission, origin });
+        let interior = site.interior;
+        let object = Object { shape, world_from_object, material, emission, interior, origin };
+        self.out.scene.objects.push(object);
         Ok(())
     }
 
@@ -509,4 +516,5 @@ struct Site {
     node: NodeIndex,
     class: Class,
     frames: Frames,
+    interior: Option<Interior>,
 }

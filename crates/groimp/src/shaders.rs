@@ -2,14 +2,14 @@
 
 use crate::ReadError;
 use crate::channels::{Channels, Mean};
-use crate::fields::wrong_value;
+use crate::fields::{number_of, wrong_value};
 use crate::graph::{Graph, NodeIndex};
 use crate::images::Images;
 use crate::modules::StaticShader;
 use crate::output::Output;
 use crate::registry::Registry;
 use crate::values::{Kind, Members, Value, parse_number, tokens};
-use scene::{ChannelId, Material, MaterialId, Phong, Rgb};
+use scene::{ChannelId, Interior, Material, MaterialId, Phong, Rgb};
 use std::collections::HashMap;
 
 /// Shaders lead to shaders; a longer chain is a cycle.
@@ -46,6 +46,14 @@ fn hex(rgb: u32) -> Rgb {
 enum Key {
     Rgba([u64; 4]),
     Phong([Option<ChannelId>; 8], bool),
+    SideSwitch(MaterialId, MaterialId),
+}
+
+/// A side of a surface.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Side {
+    Front,
+    Back,
 }
 
 /// All materials of a scene, each built once.
@@ -53,7 +61,7 @@ pub(crate) struct Shaders<'a> {
     graph: &'a Graph,
     registry: &'a Registry,
     channels: Channels<'a>,
-    by_node: HashMap<NodeIndex, Option<MaterialId>>,
+    by_node: HashMap<(NodeIndex, Option<Side>), Option<MaterialId>>,
     by_value: HashMap<Key, MaterialId>,
     means: Vec<Rgb>,
 }
@@ -90,6 +98,19 @@ impl<'a> Shaders<'a> {
     where
         'a: 's,
     {
+        self.resolve_side(source, None, out)
+    }
+
+    /// The material of one side, or of the whole surface.
+    fn resolve_side<'s>(
+        &mut self,
+        source: ShaderSource<'s>,
+        side: Option<Side>,
+        out: &mut Output,
+    ) -> Result<Option<MaterialId>, ReadError>
+    where
+        'a: 's,
+    {
         let mut source = source;
         let mut node = None;
         for _ in 0..LONGEST_CHAIN {
@@ -97,7 +118,7 @@ impl<'a> Shaders<'a> {
                 ShaderSource::Module(shader) => self.module_shader(shader, out)?,
                 ShaderSource::Value(value) => self.value(value, out)?,
                 ShaderSource::Node(index) => {
-                    if let Some(known) = self.by_node.get(&index) {
+                    if let Some(known) = self.by_node.get(&(index, side)) {
                         return Ok(*known);
                     }
                     node = node.or(Some(index));
@@ -105,15 +126,33 @@ impl<'a> Shaders<'a> {
                     self.class(self.graph.type_name(index), n.fields, None, n.line, out)?
                 }
             };
-            match step {
-                Step::Done(material) => {
-                    if let Some(node) = node {
-                        self.by_node.insert(node, material);
-                    }
-                    return Ok(material);
+            let material = match (step, side) {
+                (Step::Done(material), _) => material,
+                (Step::Follow(next), _) => {
+                    source = next;
+                    continue;
                 }
-                Step::Follow(next) => source = next,
+                // A switch within a switch is seen from the same side.
+                (Step::Sides { front, .. }, Some(Side::Front)) => {
+                    source = front;
+                    continue;
+                }
+                (Step::Sides { back, .. }, Some(Side::Back)) => {
+                    source = back;
+                    continue;
+                }
+                // No recursion in depth: the sides have no sides.
+                (Step::Sides { front, back }, None) => {
+                    let grey = self.predefined(GRAY, out);
+                    let front = self.resolve_side(front, Some(Side::Front), out)?.unwrap_or(grey);
+                    let back = self.resolve_side(back, Some(Side::Back), out)?.unwrap_or(grey);
+                    Some(self.side_switch(front, back, out))
+                }
+            };
+            if let Some(node) = node {
+                self.by_node.insert((node, side), material);
             }
+            return Ok(material);
         }
         out.report.warn("a shader refers to itself; grey is used instead", None);
         Ok(Some(self.predefined(GRAY, out)))
@@ -138,6 +177,43 @@ impl<'a> Shaders<'a> {
         let message = format!("the shader '{}' is not in the file; grey is used instead", value.text());
         out.report.warn(message, self.graph.location(value.line));
         Ok(Step::Done(Some(self.predefined(GRAY, out))))
+    }
+
+    /// What fills a body: an `IOR`, in place, as a node or as a shared object; `None` inherits.
+    pub fn interior(&self, value: &Value, out: &mut Output) -> Result<Option<Interior>, ReadError> {
+        let mut found = value;
+        let mut fields = value.members;
+        let mut class = self.graph.values.type_of(value).unwrap_or("");
+        for _ in 0..LONGEST_CHAIN {
+            let node = match found.kind {
+                Kind::Null => return Ok(None),
+                Kind::Ref => found.text().parse().ok().and_then(|id| self.graph.by_id(id)),
+                Kind::Shared => self.shared(found.text()),
+                Kind::Data | Kind::Object | Kind::Array | Kind::Serialized => None,
+            };
+            if let Some(node) = node {
+                (class, fields) = (self.graph.type_name(node), self.graph.node(node).fields);
+            }
+            match self.graph.values.find(fields, "object") {
+                Some(object) if class.ends_with(".SharedObjectNode") => found = object,
+                _ => break,
+            }
+        }
+        if !class.ends_with(".IOR") {
+            let message = format!("the interior of class '{class}' is not known and left out");
+            out.report.warn(message, self.graph.location(value.line));
+            return Ok(None);
+        }
+        let index = match self.graph.values.find(fields, "indexOfRefraction") {
+            Some(value) => number_of(self.graph, value, class, "indexOfRefraction")?,
+            None => 1.0,
+        };
+        if !(index.is_finite() && index > 0.0) {
+            let message = format!("the refractive index {index} is not possible; the interior is left out");
+            out.report.warn(message, self.graph.location(value.line));
+            return Ok(None);
+        }
+        Ok(Some(Interior { refractive_index: index }))
     }
 
     /// Node of a shared object: `MetaGraph:#94`, or a path in the registry.
@@ -194,15 +270,14 @@ impl<'a> Shaders<'a> {
             "AlgorithmSwitchShader" => Ok(present("raytracerShader")
                 .or(present("guiShader"))
                 .map_or(Step::Done(None), |v| Step::Follow(ShaderSource::Value(v)))),
+            // One missing side is as the other one.
             "SideSwitchShader" | "MappedShader" => {
-                let front = present("frontShader").or(present("backShader"));
-                out.report.warn(
-                    "SideSwitchShader: both sides get the front shader for now",
-                    self.graph.location(line),
-                );
-                Ok(match front {
-                    Some(front) => Step::Follow(ShaderSource::Value(front)),
-                    None => Step::Done(Some(self.predefined(GRAY, out))),
+                let (front, back) = (present("frontShader"), present("backShader"));
+                Ok(match (front.or(back), back.or(front)) {
+                    (Some(front), Some(back)) => {
+                        Step::Sides { front: ShaderSource::Value(front), back: ShaderSource::Value(back) }
+                    }
+                    _ => Step::Done(Some(self.predefined(GRAY, out))),
                 })
             }
             "ShaderRef" | "MaterialRef" => {
@@ -285,6 +360,14 @@ impl<'a> Shaders<'a> {
         self.material(key, Material::Phong(phong), mean, out)
     }
 
+    fn side_switch(&mut self, front: MaterialId, back: MaterialId, out: &mut Output) -> MaterialId {
+        if front == back {
+            return front;
+        }
+        let mean = self.mean(front);
+        self.material(Key::SideSwitch(front, back), Material::SideSwitch { front, back }, mean, out)
+    }
+
     fn material(&mut self, key: Key, material: Material, mean: Rgb, out: &mut Output) -> MaterialId {
         if let Some(id) = self.by_value.get(&key) {
             return *id;
@@ -300,4 +383,5 @@ impl<'a> Shaders<'a> {
 enum Step<'a> {
     Done(Option<MaterialId>),
     Follow(ShaderSource<'a>),
+    Sides { front: ShaderSource<'a>, back: ShaderSource<'a> },
 }

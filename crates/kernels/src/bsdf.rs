@@ -10,6 +10,7 @@ use wgsl_rs::wgsl;
 
 #[wgsl]
 pub mod kernel {
+    use crate::medium::kernel::*;
     use crate::records::kernel::*;
     use crate::texture::kernel::*;
     use crate::warp::kernel::*;
@@ -26,13 +27,15 @@ pub mod kernel {
         pub glossy: Vec3f,
         /// Exponent of the mirror lobe; `MIRROR_EXPONENT` and above is an ideal mirror.
         pub exponent: f32,
-        /// Transmission round the straight direction.
+        /// Transmission round the straight or refracted direction.
         pub glossy_transmission: Vec3f,
         pub transmission_exponent: f32,
         /// Undisturbed passage, on top of what the opacity lets through.
         pub straight: Vec3f,
         /// Radiance that the surface emits by itself.
         pub emissive: Vec3f,
+        /// Refractive index on the side of the viewer divided by the one behind the surface.
+        pub eta: f32,
     }
 
     /// A scattered direction.
@@ -50,7 +53,7 @@ pub mod kernel {
     pub const EVENT_ABSORBED: u32 = 0;
     /// Scattered into a direction with a finite density.
     pub const EVENT_SCATTERED: u32 = 1;
-    /// Reflected by an ideal mirror.
+    /// Reflected by an ideal mirror, or refracted.
     pub const EVENT_MIRRORED: u32 = 2;
     /// Passed the surface undisturbed.
     pub const EVENT_PASSED: u32 = 3;
@@ -101,6 +104,9 @@ pub mod kernel {
         material: MaterialRecord,
         uv: Vec2f,
     ) -> Vec3f {
+        if material.refractive_index > 0.0 {
+            return vec3f(0.0, 0.0, 0.0);
+        }
         let grey = vec4f(0.5, 0.5, 0.5, 1.0);
         let diffuse = channel_value::<S>(scene, material.diffuse, uv, grey);
         let tau = clear_transmission::<S>(scene, material, uv, diffuse.w);
@@ -115,60 +121,97 @@ pub mod kernel {
         1.0 - smallest(surface_transmittance::<S>(scene, material, uv))
     }
 
-    /// The scattering function at a point, given that the ray met the surface (see `surface_opacity`).
-    pub fn material_bsdf<S: SceneAccess + Copy>(scene: S, material: MaterialRecord, uv: Vec2f) -> Bsdf {
+    /// The material of one side of a surface.
+    pub fn sided_material<S: SceneAccess + Copy>(scene: S, index: u32, front: bool) -> MaterialRecord {
+        let material = S::material(scene, index);
+        if front || material.back == NONE {
+            return material;
+        }
+        S::material(scene, material.back)
+    }
+
+    /// The scattering function at a point, given that the ray met the surface (see `surface_opacity`). `eta` is the
+    /// refractive index on the side of the viewer divided by the one behind, `cosine` that of the viewer.
+    pub fn material_bsdf<S: SceneAccess + Copy>(
+        scene: S,
+        material: MaterialRecord,
+        uv: Vec2f,
+        eta: f32,
+        cosine: f32,
+    ) -> Bsdf {
         let black = vec4f(0.0, 0.0, 0.0, 1.0);
         let c_d = channel_value::<S>(scene, material.diffuse, uv, vec4f(0.5, 0.5, 0.5, 1.0));
         let c_s = channel_value::<S>(scene, material.specular, uv, black);
         let c_dt = channel_value::<S>(scene, material.diffuse_transparency, uv, black);
         let emissive = channel_value::<S>(scene, material.emissive, uv, black);
         let tau = clear_transmission::<S>(scene, material, uv, c_d.w);
+        let shininess = channel_value::<S>(scene, material.shininess, uv, black);
+        let transmission_shininess = channel_value::<S>(scene, material.transparency_shininess, uv, black);
 
         let one = vec3f(1.0, 1.0, 1.0);
         let zero = vec3f(0.0, 0.0, 0.0);
+        let interpolated = (material.flags & MATERIAL_INTERPOLATED) != 0u32;
         let mut diffuse = max(vec3f(c_d.x, c_d.y, c_d.z), zero);
         let mut glossy = max(vec3f(c_s.x, c_s.y, c_s.z), zero);
+        let mut exponent = select(shininess_exponent(shininess.x), 4.0, material.shininess == NONE);
+        let mut transmission_exponent = shininess_exponent(transmission_shininess.x);
         // A surface cut out by the alpha of its picture transmits diffusely only where it is.
         let diffuse_transmission = max(vec3f(c_dt.x, c_dt.y, c_dt.z), zero);
-        if material.interpolated_transparency != 0u32 {
+        if interpolated {
             diffuse *= one - tau;
             glossy *= one - tau;
         }
 
-        // The coefficients hold for all light that arrives; here only the share `opacity` arrives. What passes
-        // undisturbed in all channels was dealt with by the opacity, the coloured rest is left.
-        let opacity = max(1.0 - smallest(undisturbed_part(material, tau, c_d.w)), 1.0e-6);
         let mut straight = zero;
         let mut blurred = zero;
-        if material.transparency_shininess == NONE {
-            let passed = smallest(tau);
-            straight = max(tau - vec3f(passed, passed, passed), zero);
+        if material.refractive_index > 0.0 {
+            // All light that arrives meets the surface. What is not refracted is reflected, but GroIMP's Phong
+            // without a specular channel loses it.
+            let reflected = fresnel_reflectance(eta, cosine);
+            let clear = clamp(tau, zero, one);
+            blurred = clear * (1.0 - reflected);
+            if (material.flags & MATERIAL_MIRRORS) != 0u32 {
+                glossy = clear * reflected;
+                exponent = MIRROR_EXPONENT;
+            }
+            if material.specular != NONE {
+                glossy += clear * reflected;
+            }
+            if material.transparency_shininess == NONE {
+                transmission_exponent = MIRROR_EXPONENT;
+            }
         } else {
-            let cut = 1.0 - clamp(c_d.w * material.opacity, 0.0, 1.0);
-            blurred = max(tau - vec3f(cut, cut, cut), zero);
+            // The coefficients hold for all light that arrives; here only the share `opacity` arrives. What passes
+            // undisturbed in all channels was dealt with by the opacity, the coloured rest is left.
+            let opacity = max(1.0 - smallest(undisturbed_part(material, tau, c_d.w)), 1.0e-6);
+            if material.transparency_shininess == NONE {
+                let passed = smallest(tau);
+                straight = max(tau - vec3f(passed, passed, passed), zero);
+            } else {
+                let cut = 1.0 - clamp(c_d.w * material.opacity, 0.0, 1.0);
+                blurred = max(tau - vec3f(cut, cut, cut), zero);
+            }
+            if interpolated {
+                diffuse *= 1.0 / opacity;
+                glossy *= 1.0 / opacity;
+            }
+            straight *= 1.0 / opacity;
+            blurred *= 1.0 / opacity;
         }
-        if material.interpolated_transparency != 0u32 {
-            diffuse *= 1.0 / opacity;
-            glossy *= 1.0 / opacity;
-        }
-        straight *= 1.0 / opacity;
-        blurred *= 1.0 / opacity;
 
         // No more light may leave than arrives.
         let total = largest(diffuse + glossy + diffuse_transmission + straight + blurred);
         let scale = 1.0 / max(total, 1.0);
-
-        let shininess = channel_value::<S>(scene, material.shininess, uv, black);
-        let transmission_shininess = channel_value::<S>(scene, material.transparency_shininess, uv, black);
         Bsdf {
             diffuse: diffuse * scale,
             diffuse_transmission: diffuse_transmission * scale,
             glossy: glossy * scale,
-            exponent: select(shininess_exponent(shininess.x), 4.0, material.shininess == NONE),
+            exponent,
             glossy_transmission: blurred * scale,
-            transmission_exponent: shininess_exponent(transmission_shininess.x),
+            transmission_exponent,
             straight: straight * scale,
             emissive: vec3f(emissive.x, emissive.y, emissive.z),
+            eta,
         }
     }
 
@@ -202,11 +245,12 @@ pub mod kernel {
         }
         let mut value = bsdf.diffuse_transmission * (-cos_i * INVERSE_PI);
         if bsdf.transmission_exponent < MIRROR_EXPONENT {
-            let along = dot(-wo, wi);
+            let along = dot(refracted_direction(bsdf.eta, normal, wo), wi);
             value +=
                 bsdf.glossy_transmission * glossy_value(along, bsdf.transmission_exponent, -cos_i, cos_o);
         }
-        value
+        // Radiance is squeezed into a smaller solid angle in the denser medium (Veach 1997, 5.2).
+        value * (bsdf.eta * bsdf.eta)
     }
 
     /// Probabilities of the lobes: diffuse, glossy, diffuse transmission, glossy transmission; what is missing
@@ -235,9 +279,16 @@ pub mod kernel {
         }
         let mut pdf = chance.z * cosine_hemisphere_pdf(-cos_i);
         if bsdf.transmission_exponent < MIRROR_EXPONENT {
-            pdf += chance.w * power_cosine_pdf(dot(-wo, wi), bsdf.transmission_exponent);
+            let along = dot(refracted_direction(bsdf.eta, normal, wo), wi);
+            pdf += chance.w * power_cosine_pdf(along, bsdf.transmission_exponent);
         }
         pdf
+    }
+
+    /// True if light sampling may find light on the side opposite to where it goes.
+    pub fn transmits(bsdf: Bsdf) -> bool {
+        let blurred = bsdf.transmission_exponent < MIRROR_EXPONENT;
+        largest(bsdf.diffuse_transmission) > 0.0 || (blurred && largest(bsdf.glossy_transmission) > 0.0)
     }
 
     /// Draws a direction; `u.x` chooses the lobe, `u.y` and `u.z` the direction within it.
@@ -265,13 +316,15 @@ pub mod kernel {
         } else if u.x < up_to_diffuse_transmission {
             sample.direction = around_axis(-normal, cosine_hemisphere(vec2f(u.y, u.z)));
         } else if u.x < up_to_glossy_transmission {
+            let onwards = refracted_direction(bsdf.eta, normal, wo);
             if bsdf.transmission_exponent >= MIRROR_EXPONENT {
-                sample.direction = -wo;
-                sample.weight = bsdf.glossy_transmission * (1.0 / chance.w);
+                sample.direction = onwards;
+                sample.weight = bsdf.glossy_transmission * (bsdf.eta * bsdf.eta / chance.w);
                 sample.event = EVENT_MIRRORED;
                 return sample;
             }
-            sample.direction = around_axis(-wo, power_cosine(vec2f(u.y, u.z), bsdf.transmission_exponent));
+            sample.direction =
+                around_axis(onwards, power_cosine(vec2f(u.y, u.z), bsdf.transmission_exponent));
             if dot(sample.direction, normal) >= 0.0 {
                 return sample;
             }

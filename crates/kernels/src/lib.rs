@@ -13,6 +13,7 @@ pub mod bsdf;
 pub mod camera;
 pub mod hit;
 pub mod light;
+pub mod medium;
 pub mod mesh;
 pub mod path;
 pub mod random;

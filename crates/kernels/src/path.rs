@@ -12,6 +12,7 @@ pub mod kernel {
     use crate::camera::kernel::*;
     use crate::hit::kernel::*;
     use crate::light::kernel::*;
+    use crate::medium::kernel::*;
     use crate::mesh::kernel::*;
     use crate::random::kernel::*;
     use crate::records::kernel::*;
@@ -130,17 +131,13 @@ pub mod kernel {
         result
     }
 
-    /// True if light may leave on the side opposite to where it came from.
-    pub fn transmits(bsdf: Bsdf) -> bool {
-        largest(bsdf.diffuse_transmission + bsdf.glossy_transmission) > 0.0
-    }
-
     /// Follows one path from the camera; it touches at most `depth` surfaces and may then still find a light.
     pub fn trace_path<S: SceneAccess + Copy>(scene: S, key: SampleKey, first: Ray, depth: u32) -> PathSample {
         let mut result = PathSample { radiance: vec3f(0.0, 0.0, 0.0), rays: 0 };
         let mut throughput = vec3f(1.0, 1.0, 1.0);
         let mut ray = first;
         let mut touched: u32 = 0;
+        let mut media = empty_space();
         let mut previous = PathVertex { position: first.origin, pdf: 0.0, sky_pdf: 0.0, importance: 0.0 };
 
         #[wgsl_allow(non_literal_loop_bounds)]
@@ -164,7 +161,17 @@ pub mod kernel {
                 result.radiance += throughput
                     * lamp_radiance::<S>(scene, surface.light, previous, point.position, cos_front);
             }
-            let bsdf = material_bsdf::<S>(scene, S::material(scene, shape.material), point.uv);
+            let front = cos_front >= 0.0;
+            let material = sided_material::<S>(scene, shape.material, front);
+            // The medium is told apart by what it comes from and by its instance.
+            let body = surface.source ^ ((hit.instance + 1u32) * 2654435769u32);
+            let mut eta: f32 = 1.0;
+            if material.refractive_index > 0.0 {
+                let outside = leave_medium(media, body).indices.x;
+                let inside = material.refractive_index;
+                eta = select(inside / outside, outside / inside, front);
+            }
+            let bsdf = material_bsdf::<S>(scene, material, point.uv, eta, dot(normal, wo));
             // Unverified for GroIMP's path tracer: emissive surfaces shine by themselves.
             result.radiance += throughput * bsdf.emissive;
             if touched >= depth {
@@ -202,6 +209,13 @@ pub mod kernel {
                 return result;
             }
             throughput *= sample.weight;
+            if material.refractive_index > 0.0 && dot(sample.direction, point.normal) * cos_front < 0.0 {
+                if front {
+                    media = enter_medium(media, body, material.refractive_index);
+                } else {
+                    media = leave_medium(media, body);
+                }
+            }
             ray = Ray { origin: offset_origin(point, sample.direction), direction: sample.direction };
             if sample.event != EVENT_PASSED {
                 touched += 1;

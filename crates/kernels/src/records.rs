@@ -109,6 +109,11 @@ pub mod kernel {
     /// An index that refers to nothing.
     pub const NONE: u32 = 4294967295;
 
+    /// Transparency takes away from diffuse and glossy reflection.
+    pub const MATERIAL_INTERPOLATED: u32 = 1;
+    /// What a refracting surface reflects of the light that it lets pass is reflected as by a mirror.
+    pub const MATERIAL_MIRRORS: u32 = 2;
+
     /// Coefficients of a material as indices of channels, or `NONE`.
     #[repr(C)]
     #[derive(Copy, Clone, Debug, Wgsl)]
@@ -121,12 +126,14 @@ pub mod kernel {
         pub diffuse_transparency: u32,
         pub ambient: u32,
         pub emissive: u32,
-        /// 1 if transparency takes away from diffuse and glossy reflection.
-        pub interpolated_transparency: u32,
+        /// `MATERIAL_INTERPOLATED` and the others.
+        pub flags: u32,
         /// Share of light that meets the surface, on top of what the channels say.
         pub opacity: f32,
-        pub reserved0: u32,
-        pub reserved1: u32,
+        /// Material of the back, or `NONE` if it is the same.
+        pub back: u32,
+        /// Refractive index inside of the body, or 0 if the surface does not bound a medium.
+        pub refractive_index: f32,
     }
 
     /// The value of `ChannelRecord` is the result.

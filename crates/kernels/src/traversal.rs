@@ -60,6 +60,25 @@ pub mod kernel {
         attribute_uv::<S>(scene, shape, surface, uv)
     }
 
+    /// Material of the side of an object that a ray has hit; the ray is in the same space as the record.
+    pub fn material_hit<S: SceneAccess + Copy>(
+        scene: S,
+        shape: ShapeRecord,
+        ray: Ray,
+        hit: ShapeHit,
+    ) -> MaterialRecord {
+        let material = S::material(scene, shape.material);
+        if material.back == NONE {
+            return material;
+        }
+        let outward = object_normal(shape, hit.face, hit_point(shape, ray, hit));
+        let onwards = transform_vector(shape.object_from_world, ray.direction);
+        if dot(outward, onwards) <= 0.0 {
+            return material;
+        }
+        S::material(scene, material.back)
+    }
+
     /// Joins an object to the closest hit so far; `ray` is in the space of the instance, if there is one. Partly
     /// transparent surfaces are met with the probability of their opacity; the decision depends on the sample, the
     /// segment, the instance and the object alone (on the triangle in case of meshes), so that the order in which
@@ -85,7 +104,7 @@ pub mod kernel {
                 return Hit { shape: hit, object: index, instance };
             }
             let uv = hit_uv::<S>(scene, index, shape, ray, hit);
-            let opacity = surface_opacity::<S>(scene, S::material(scene, shape.material), uv);
+            let opacity = surface_opacity::<S>(scene, material_hit::<S>(scene, shape, ray, hit), uv);
             if opacity >= 1.0 {
                 return Hit { shape: hit, object: index, instance };
             }
@@ -204,7 +223,7 @@ pub mod kernel {
                 return vec3f(0.0, 0.0, 0.0);
             }
             let uv = hit_uv::<S>(scene, index, shape, ray, hit);
-            passed *= surface_transmittance::<S>(scene, S::material(scene, shape.material), uv);
+            passed *= surface_transmittance::<S>(scene, material_hit::<S>(scene, shape, ray, hit), uv);
             t_min = hit.t;
         }
         passed

@@ -76,6 +76,7 @@ pub mod probes {
             transmission_exponent: shininess_exponent(r.x),
             straight: vec3f(0.1, 0.0, 0.1) * r.y,
             emissive: vec3f(0.0, 0.0, 0.0),
+            eta: 0.7 + 0.6 * r.w,
         }
     }
 

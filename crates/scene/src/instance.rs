@@ -51,8 +51,9 @@ pub(crate) fn transformed(bounds: (DVec3, DVec3), matrix: &DAffine3) -> (DVec3, 
 
 /// Boxes of all groups in their own spaces.
 pub(crate) fn group_bounds(groups: &[Group], meshes: &[Mesh]) -> Vec<Bounds> {
-    let own =
-        |group: &Group| group.objects.iter().fold(None, |bounds, object| joined(bounds, object.bounds(meshes)));
+    let own = |group: &Group| {
+        group.objects.iter().fold(None, |bounds, object| joined(bounds, object.bounds(meshes)))
+    };
     fold_groups(groups, own, |all, instance, inner| {
         joined(all, inner.map(|inner| transformed(inner, &instance.world_from_group)))
     })
@@ -108,6 +109,7 @@ mod tests {
             world_from_object: DAffine3::IDENTITY,
             material: MaterialId(0),
             emission: None,
+            interior: None,
             origin,
         };
         let place = |group, x, scale: f64| Instance {

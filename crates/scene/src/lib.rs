@@ -22,7 +22,7 @@ pub use instance::{Group, GroupId, Instance};
 pub use light::{Light, LightKind, Sky};
 pub use material::{Channel, ChannelId, CoordinateMap, Material, Phong};
 pub use mesh::{Mesh, VisibleSides};
-pub use object::{Emission, Object, Origin};
+pub use object::{Emission, Interior, Object, Origin};
 pub use shape::Shape;
 
 /// A linear Rec. 709 colour or a power, irradiance or radiance in three channels.

@@ -1,4 +1,4 @@
-use crate::{ImageId, Rgb, index_type};
+use crate::{ImageId, MaterialId, Rgb, index_type};
 use glam::{DMat2, DVec2};
 
 index_type!(
@@ -18,6 +18,13 @@ pub enum Material {
     },
     /// GroIMP's `Phong`, also the plain Lambertian surface with a picture on it.
     Phong(Phong),
+    /// One material for each side, GroIMP's `SideSwitchShader`. Neither of them is such a switch itself.
+    SideSwitch {
+        /// Of the side that normals point to.
+        front: MaterialId,
+        /// Of the other side.
+        back: MaterialId,
+    },
 }
 
 /// GroIMP's `Phong` material: every coefficient is a channel that may vary over the surface.

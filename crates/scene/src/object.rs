@@ -12,6 +12,8 @@ pub struct Object {
     pub material: MaterialId,
     /// Set when the body is a lamp.
     pub emission: Option<Emission>,
+    /// What the body is filled with; `None` if its surface does not bound a medium, as that of a leaf.
+    pub interior: Option<Interior>,
     /// Where it comes from.
     pub origin: Origin,
 }
@@ -28,6 +30,13 @@ pub struct Emission {
     pub exponent: f64,
     /// Lights everything, also what stands behind something else.
     pub shadowless: bool,
+}
+
+/// What a body is filled with, GroIMP's `IOR`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interior {
+    /// Refractive index, positive; 1 like empty space.
+    pub refractive_index: f64,
 }
 
 /// Where an object comes from, so that pictures and measurements can name it.

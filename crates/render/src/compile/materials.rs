@@ -1,15 +1,39 @@
+//! Materials as records: one for each material and each filling that a body of it has.
+
 use super::channels::{Channels, compile_channels, constant};
 use super::{CompileError, count};
-use kernels::records::kernel::{ChannelRecord, MaterialRecord, NONE};
-use scene::{ChannelId, Material, Scene};
+use kernels::records::kernel::{
+    ChannelRecord, MATERIAL_INTERPOLATED, MATERIAL_MIRRORS, MaterialRecord, NONE,
+};
+use scene::{ChannelId, Interior, Material, MaterialId, Scene};
+use std::collections::HashMap;
 
 /// The tables behind the surfaces.
 pub(super) struct Materials {
     pub records: Vec<MaterialRecord>,
     pub channels: Vec<ChannelRecord>,
     pub texels: Vec<u32>,
-    /// For every material, whether rays pass it somewhere.
-    pub not_opaque: Vec<bool>,
+    /// For every record, whether rays pass it somewhere.
+    not_opaque: Vec<bool>,
+    /// Records of materials that fill bodies, by material and the bits of the refractive index.
+    filled: HashMap<(MaterialId, u32), u32>,
+}
+
+impl Materials {
+    /// Index of the record for objects of a material with a filling.
+    pub fn record(&self, material: MaterialId, interior: Option<Interior>) -> u32 {
+        let filled = interior.and_then(|interior| self.filled.get(&(material, index_bits(interior))));
+        filled.copied().unwrap_or(material.0)
+    }
+
+    /// Whether rays pass some surface with this record somewhere.
+    pub fn is_not_opaque(&self, record: u32) -> bool {
+        self.not_opaque[record as usize]
+    }
+}
+
+fn index_bits(interior: Interior) -> u32 {
+    (interior.refractive_index as f32).to_bits()
 }
 
 pub(super) fn compile_materials(scene: &Scene) -> Result<Materials, CompileError> {
@@ -23,17 +47,9 @@ pub(super) fn compile_materials(scene: &Scene) -> Result<Materials, CompileError
                 records.push(constant(*color));
                 materials.push(MaterialRecord {
                     diffuse: count(records.len() - 1),
-                    specular: NONE,
-                    shininess: NONE,
-                    transparency: NONE,
-                    transparency_shininess: NONE,
-                    diffuse_transparency: NONE,
-                    ambient: NONE,
-                    emissive: NONE,
-                    interpolated_transparency: 1,
+                    flags: MATERIAL_INTERPOLATED | MATERIAL_MIRRORS,
                     opacity: opacity.clamp(0.0, 1.0) as f32,
-                    reserved0: 0,
-                    reserved1: 0,
+                    ..black()
                 });
                 not_opaque.push(*opacity < 1.0);
             }
@@ -47,16 +63,81 @@ pub(super) fn compile_materials(scene: &Scene) -> Result<Materials, CompileError
                     diffuse_transparency: index(phong.diffuse_transparency),
                     ambient: index(phong.ambient),
                     emissive: index(phong.emissive),
-                    interpolated_transparency: u32::from(phong.interpolated_transparency),
-                    opacity: 1.0,
-                    reserved0: 0,
-                    reserved1: 0,
+                    flags: if phong.interpolated_transparency { MATERIAL_INTERPOLATED } else { 0 },
+                    ..black()
                 });
                 not_opaque.push(
                     phong.transparency.is_some() || phong.diffuse.is_some_and(|id| has_holes[id.index()]),
                 );
             }
+            // Filled in below, when all sides are known.
+            Material::SideSwitch { .. } => {
+                materials.push(black());
+                not_opaque.push(false);
+            }
         }
     }
-    Ok(Materials { records: materials, channels: records, texels, not_opaque })
+    for (index, material) in scene.materials.iter().enumerate() {
+        if let Material::SideSwitch { front, back } = material {
+            materials[index] = MaterialRecord { back: back.0, ..materials[front.index()] };
+            not_opaque[index] = not_opaque[front.index()] || not_opaque[back.index()];
+        }
+    }
+    let filled = HashMap::new();
+    let mut all = Materials { records: materials, channels: records, texels, not_opaque, filled };
+    all.fill_bodies(scene);
+    Ok(all)
+}
+
+impl Materials {
+    /// Adds the records of materials whose bodies refract. If nothing in the scene is denser than empty space,
+    /// fillings make no difference.
+    fn fill_bodies(&mut self, scene: &Scene) {
+        let objects = || scene.objects.iter().chain(scene.groups.iter().flat_map(|group| &group.objects));
+        let interiors = || objects().filter_map(|object| Some((object.material, object.interior?)));
+        if interiors().all(|(_, interior)| interior.refractive_index == 1.0) {
+            return;
+        }
+        for (material, interior) in interiors() {
+            self.fill(material, interior);
+            if let Material::SideSwitch { front, back } = scene.materials[material.index()] {
+                self.fill(front, interior);
+                let back = self.fill(back, interior);
+                let record = self.fill(material, interior) as usize;
+                self.records[record].back = back;
+            }
+        }
+    }
+
+    fn fill(&mut self, material: MaterialId, interior: Interior) -> u32 {
+        let key = (material, index_bits(interior));
+        if let Some(record) = self.filled.get(&key) {
+            return *record;
+        }
+        let refractive_index = interior.refractive_index as f32;
+        self.records.push(MaterialRecord { refractive_index, ..self.records[material.index()] });
+        // Light that is refracted does not pass undisturbed.
+        self.not_opaque.push(false);
+        let record = count(self.records.len() - 1);
+        self.filled.insert(key, record);
+        record
+    }
+}
+
+/// A material without any coefficient.
+fn black() -> MaterialRecord {
+    MaterialRecord {
+        diffuse: NONE,
+        specular: NONE,
+        shininess: NONE,
+        transparency: NONE,
+        transparency_shininess: NONE,
+        diffuse_transparency: NONE,
+        ambient: NONE,
+        emissive: NONE,
+        flags: 0,
+        opacity: 1.0,
+        back: NONE,
+        refractive_index: 0.0,
+    }
 }

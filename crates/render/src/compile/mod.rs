@@ -136,18 +136,19 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
     };
     let local_from_world = DAffine3::from_translation(-origin);
 
-    let Materials { records: materials, channels, texels, not_opaque } = materials::compile_materials(scene)?;
+    let materials = materials::compile_materials(scene)?;
     let lights = lights::compile_lights(scene, &local_from_world);
     let Objects { scene: primitives, groups, attributes, origins, triangles } = objects::compile_objects(
         scene,
         &placements,
         &local_from_world,
-        &not_opaque,
+        &materials,
         &lights.of_object,
         acceleration,
     )?;
     let hierarchy = bvh::arrange(primitives, groups, acceleration);
 
+    let Materials { records: materials, channels, texels, .. } = materials;
     let local_bounds = bounds.map(|(low, high)| (low - origin, high - origin));
     let mut header = camera::compile_camera(&scene.camera, &local_from_world, local_bounds)?;
     header.unbounded_objects = count(hierarchy.unbounded);

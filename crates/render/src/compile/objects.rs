@@ -1,13 +1,14 @@
 //! The objects of a scene as records: those that stand for themselves, groups, and their instances.
 
 use super::instances::{Placement, stays_in_group};
+use super::materials::Materials;
 use super::triangles::placed_triangles;
 use super::unit_shapes::{UnitShape, unit_bounds, unit_shape};
 use super::{Acceleration, CompileError, affine, count};
 use kernels::records::kernel::{
     FLAG_NOT_OPAQUE, NONE, ObjectRecord, SHAPE_INSTANCE, ShapeRecord, SurfaceRecord,
 };
-use scene::{DAffine3, DVec3, MaterialId, MeshId, Object, Origin, Scene, Shape, VisibleSides};
+use scene::{DAffine3, DVec3, MeshId, Object, Origin, Scene, Shape, VisibleSides};
 use std::collections::HashMap;
 
 /// Objects as records with their boxes.
@@ -38,28 +39,21 @@ pub(super) struct Objects {
 /// ones are cheaper as copies.
 const FEW_TRIANGLES: usize = 8;
 
-/// What a mesh looks like wherever it is placed.
-type MeshKey = (MeshId, VisibleSides, MaterialId);
-
-fn mesh_key(object: &Object) -> Option<MeshKey> {
-    match object.shape {
-        Shape::Mesh { mesh, visible_sides } => Some((mesh, visible_sides, object.material)),
-        _ => None,
-    }
-}
+/// What a mesh looks like wherever it is placed; the last is the record of its material.
+type MeshKey = (MeshId, VisibleSides, u32);
 
 /// Compiles the objects of a scene; lamps, lights and planes of groups are among its own objects already.
 pub(super) fn compile_objects(
     scene: &Scene,
     placements: &[Placement],
     local_from_world: &DAffine3,
-    not_opaque: &[bool],
+    materials: &Materials,
     light_of_object: &[u32],
     acceleration: Acceleration,
 ) -> Result<Objects, CompileError> {
     let mut compiler = Compiler {
         scene,
-        not_opaque,
+        materials,
         instancing: acceleration == Acceleration::Bvh,
         mesh_groups: HashMap::new(),
         centres: Vec::new(),
@@ -100,7 +94,7 @@ pub(super) fn compile_objects(
 
 struct Compiler<'a> {
     scene: &'a Scene,
-    not_opaque: &'a [bool],
+    materials: &'a Materials,
     /// Whether repeated geometry is stored once.
     instancing: bool,
     /// Groups that are made of meshes.
@@ -111,6 +105,15 @@ struct Compiler<'a> {
 }
 
 impl Compiler<'_> {
+    fn mesh_key(&self, object: &Object) -> Option<MeshKey> {
+        match object.shape {
+            Shape::Mesh { mesh, visible_sides } => {
+                Some((mesh, visible_sides, self.materials.record(object.material, object.interior)))
+            }
+            _ => None,
+        }
+    }
+
     fn add_origin(&mut self, origin: Origin) -> u32 {
         self.objects.origins.push(origin);
         count(self.objects.origins.len() - 1)
@@ -130,7 +133,7 @@ impl Compiler<'_> {
             }
             let members: Vec<&Object> =
                 group.objects.iter().filter(|object| stays_in_group(object)).collect();
-            if members.len() < 2 && !members.iter().any(|object| mesh_key(object).is_some()) {
+            if members.len() < 2 && !members.iter().any(|object| matches!(object.shape, Shape::Mesh { .. })) {
                 continue;
             }
             let bounds = members.iter().filter_map(|object| object.bounds(&self.scene.meshes));
@@ -168,7 +171,7 @@ impl Compiler<'_> {
         let scene = self.scene;
         let mut uses: HashMap<MeshKey, usize> = HashMap::new();
         let of_groups = copied.flat_map(|placement| &scene.groups[placement.group].objects);
-        for key in scene.objects.iter().chain(of_groups).filter_map(mesh_key) {
+        for key in scene.objects.iter().chain(of_groups).filter_map(|object| self.mesh_key(object)) {
             *uses.entry(key).or_default() += 1;
         }
         // In the order of the scene, so that the same scene always gives the same tables.
@@ -201,7 +204,7 @@ impl Compiler<'_> {
         source: u32,
         light: u32,
     ) -> Result<(), CompileError> {
-        if let Some(key) = mesh_key(object) {
+        if let Some(key) = self.mesh_key(object) {
             self.objects.triangles += self.scene.meshes[key.0.index()].triangles.len();
             if let Some(&group) = self.mesh_groups.get(&key) {
                 return self.add_instance(level, group, local_from_object, source);
@@ -209,7 +212,7 @@ impl Compiler<'_> {
             return self.add_triangles(level, key, local_from_object, source);
         }
         let unit = unit_shape(object, local_from_object);
-        self.add_unit(level, &unit, object.material.0, self.flags(object.material), source, light)
+        self.add_unit(level, &unit, self.materials.record(object.material, object.interior), source, light)
     }
 
     fn add_triangles(
@@ -222,7 +225,7 @@ impl Compiler<'_> {
         let mesh = &self.scene.meshes[id.index()];
         let mut attributes = std::mem::take(&mut self.objects.attributes);
         for triangle in placed_triangles(mesh, visible_sides, local_from_object, &mut attributes) {
-            self.add_unit(level, &triangle, material.0, self.flags(material), source, NONE)?;
+            self.add_unit(level, &triangle, material, source, NONE)?;
         }
         self.objects.attributes = attributes;
         Ok(())
@@ -255,19 +258,15 @@ impl Compiler<'_> {
         Ok(())
     }
 
-    fn flags(&self, material: MaterialId) -> u32 {
-        if self.not_opaque[material.index()] { FLAG_NOT_OPAQUE } else { 0 }
-    }
-
     fn add_unit(
         &self,
         level: &mut Primitives,
         unit: &UnitShape,
         material: u32,
-        flags: u32,
         source: u32,
         light: u32,
     ) -> Result<(), CompileError> {
+        let flags = if self.materials.is_not_opaque(material) { FLAG_NOT_OPAQUE } else { 0 };
         let record = self.record(unit, material, flags, source, light)?;
         match unit_bounds(unit) {
             Some(bounds) => {

@@ -50,6 +50,8 @@ struct ObjectRecord {
     surface: SurfaceRecord
 }
 const NONE: u32 = 4294967295u;
+const MATERIAL_INTERPOLATED: u32 = 1u;
+const MATERIAL_MIRRORS: u32 = 2u;
 
 struct MaterialRecord {
     diffuse: u32,
@@ -60,10 +62,10 @@ struct MaterialRecord {
     diffuse_transparency: u32,
     ambient: u32,
     emissive: u32,
-    interpolated_transparency: u32,
+    flags: u32,
     opacity: f32,
-    reserved0: u32,
-    reserved1: u32
+    back: u32,
+    refractive_index: f32
 }
 const CHANNEL_CONSTANT: u32 = 0u;
 const CHANNEL_IMAGE: u32 = 1u;
@@ -733,6 +735,66 @@ fn run_channel_Buffers(scene: Buffers, start: u32, surface_uv: vec2f) -> vec4f {
     return channel.value;
 }
 
+struct Media {
+    indices: vec4f,
+    bodies: vec4u
+}
+
+fn empty_space() -> Media {
+    return Media(vec4f(1.0, 1.0, 1.0, 1.0), vec4u(NONE, NONE, NONE, NONE));
+}
+
+fn enter_medium(media: Media, body: u32, index: f32) -> Media {
+    let i = media.indices;
+    let b = media.bodies;
+    return Media(vec4f(index, i.x, i.y, i.z), vec4u(body, b.x, b.y, b.z));
+}
+
+fn leave_medium(media: Media, body: u32) -> Media {
+    let i = media.indices;
+    let b = media.bodies;
+    if (b.x == body) {
+        return Media(vec4f(i.y, i.z, i.w, 1.0), vec4u(b.y, b.z, b.w, NONE));
+    }
+    if (b.y == body) {
+        return Media(vec4f(i.x, i.z, i.w, 1.0), vec4u(b.x, b.z, b.w, NONE));
+    }
+    if (b.z == body) {
+        return Media(vec4f(i.x, i.y, i.w, 1.0), vec4u(b.x, b.y, b.w, NONE));
+    }
+    if (b.w == body) {
+        return Media(vec4f(i.x, i.y, i.z, 1.0), vec4u(b.x, b.y, b.z, NONE));
+    }
+    return media;
+}
+
+fn refracted_cosine_squared(eta: f32, cosine: f32) -> f32 {
+    return (1.0 - ((eta * eta) * (1.0 - (cosine * cosine))));
+}
+
+fn fresnel_reflectance(eta: f32, cosine: f32) -> f32 {
+    if (eta == 1.0) {
+        return 0.0;
+    }
+    let squared = refracted_cosine_squared(eta, cosine);
+    if (squared <= 0.0) {
+        return 1.0;
+    }
+    let behind = sqrt(squared);
+    let across = ((behind - (eta * cosine)) / (behind + (eta * cosine)));
+    let along = ((cosine - (eta * behind)) / (cosine + (eta * behind)));
+    return (0.5 * ((across * across) + (along * along)));
+}
+
+fn refracted_direction(eta: f32, normal: vec3f, wo: vec3f) -> vec3f {
+    let cosine = dot(normal, wo);
+    let squared = refracted_cosine_squared(eta, cosine);
+    if ((eta == 1.0) || (squared <= 0.0)) {
+        return -wo;
+    }
+    return normalize(((-wo * eta) + (normal * ((eta * cosine) - sqrt(squared)))));
+}
+
 struct Bsdf {
     diffuse: vec3f,
     diffuse_transmission: vec3f,
@@ -741,7 +803,8 @@ struct Bsdf {
     glossy_transmission: vec3f,
     transmission_exponent: f32,
     straight: vec3f,
-    emissive: vec3f
+    emissive: vec3f,
+    eta: f32
 }
 
 struct BsdfSample {
@@ -800,10 +863,10 @@ fn evaluate_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, wi: vec3f) -> vec3f {
     }
     var value = (bsdf.diffuse_transmission * (-cos_i * INVERSE_PI));
     if (bsdf.transmission_exponent < MIRROR_EXPONENT) {
-        let along = dot(-wo, wi);
+        let along = dot(refracted_direction(bsdf.eta, normal, wo), wi);
         value += (bsdf.glossy_transmission * glossy_value(along, bsdf.transmission_exponent, -cos_i, cos_o));
     }
-    return value;
+    return (value * (bsdf.eta * bsdf.eta));
 }
 
 fn lobe_probabilities(bsdf: Bsdf) -> vec4f {
@@ -824,9 +887,15 @@ fn bsdf_pdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, wi: vec3f) -> f32 {
     }
     var pdf = (chance.z * cosine_hemisphere_pdf(-cos_i));
     if (bsdf.transmission_exponent < MIRROR_EXPONENT) {
-        pdf += (chance.w * power_cosine_pdf(dot(-wo, wi), bsdf.transmission_exponent));
+        let along = dot(refracted_direction(bsdf.eta, normal, wo), wi);
+        pdf += (chance.w * power_cosine_pdf(along, bsdf.transmission_exponent));
     }
     return pdf;
+}
+
+fn transmits(bsdf: Bsdf) -> bool {
+    let blurred = (bsdf.transmission_exponent < MIRROR_EXPONENT);
+    return ((largest(bsdf.diffuse_transmission) > 0.0) || (blurred && (largest(bsdf.glossy_transmission) > 0.0)));
 }
 
 fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
@@ -852,13 +921,14 @@ fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
     } else if (u.x < up_to_diffuse_transmission) {
         sample.direction = around_axis(-normal, cosine_hemisphere(vec2f(u.y, u.z)));
     } else if (u.x < up_to_glossy_transmission) {
+        let onwards = refracted_direction(bsdf.eta, normal, wo);
         if (bsdf.transmission_exponent >= MIRROR_EXPONENT) {
-            sample.direction = -wo;
-            sample.weight = (bsdf.glossy_transmission * (1.0 / chance.w));
+            sample.direction = onwards;
+            sample.weight = (bsdf.glossy_transmission * ((bsdf.eta * bsdf.eta) / chance.w));
             sample.event = EVENT_MIRRORED;
             return sample;
         }
-        sample.direction = around_axis(-wo, power_cosine(vec2f(u.y, u.z), bsdf.transmission_exponent));
+        sample.direction = around_axis(onwards, power_cosine(vec2f(u.y, u.z), bsdf.transmission_exponent));
         if (dot(sample.direction, normal) >= 0.0) {
             return sample;
         }
@@ -887,43 +957,76 @@ fn clear_transmission_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2
     return (vec3f((1.0 - cover), (1.0 - cover), (1.0 - cover)) + (tau * cover));
 }
 
-fn material_bsdf_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) -> Bsdf {
+fn material_bsdf_Buffers(
+    scene: Buffers,
+    material: MaterialRecord,
+    uv: vec2f,
+    eta: f32,
+    cosine: f32,
+) -> Bsdf {
     let black = vec4f(0.0, 0.0, 0.0, 1.0);
     let c_d = channel_value_Buffers(scene, material.diffuse, uv, vec4f(0.5, 0.5, 0.5, 1.0));
     let c_s = channel_value_Buffers(scene, material.specular, uv, black);
     let c_dt = channel_value_Buffers(scene, material.diffuse_transparency, uv, black);
     let emissive = channel_value_Buffers(scene, material.emissive, uv, black);
     let tau = clear_transmission_Buffers(scene, material, uv, c_d.w);
+    let shininess = channel_value_Buffers(scene, material.shininess, uv, black);
+    let transmission_shininess = channel_value_Buffers(scene, material.transparency_shininess, uv, black);
     let one = vec3f(1.0, 1.0, 1.0);
     let zero = vec3f(0.0, 0.0, 0.0);
+    let interpolated = ((material.flags & MATERIAL_INTERPOLATED) != 0u);
     var diffuse = max(vec3f(c_d.x, c_d.y, c_d.z), zero);
     var glossy = max(vec3f(c_s.x, c_s.y, c_s.z), zero);
+    var exponent = select(shininess_exponent(shininess.x), 4.0, (material.shininess == NONE));
+    var transmission_exponent = shininess_exponent(transmission_shininess.x);
     let diffuse_transmission = max(vec3f(c_dt.x, c_dt.y, c_dt.z), zero);
-    if (material.interpolated_transparency != 0u) {
+    if interpolated {
         diffuse *= (one - tau);
         glossy *= (one - tau);
     }
-    let opacity = max((1.0 - smallest(undisturbed_part(material, tau, c_d.w))), 1.0e-6);
     var straight = zero;
     var blurred = zero;
-    if (material.transparency_shininess == NONE) {
-        let passed = smallest(tau);
-        straight = max((tau - vec3f(passed, passed, passed)), zero);
+    if (material.refractive_index > 0.0) {
+        let reflected = fresnel_reflectance(eta, cosine);
+        let clear = clamp(tau, zero, one);
+        blurred = (clear * (1.0 - reflected));
+        if ((material.flags & MATERIAL_MIRRORS) != 0u) {
+            glossy = (clear * reflected);
+            exponent = MIRROR_EXPONENT;
+        }
+        if (material.specular != NONE) {
+            glossy += (clear * reflected);
+        }
+        if (material.transparency_shininess == NONE) {
+            transmission_exponent = MIRROR_EXPONENT;
+        }
     } else {
-        let cut = (1.0 - clamp((c_d.w * material.opacity), 0.0, 1.0));
-        blurred = max((tau - vec3f(cut, cut, cut)), zero);
+        let opacity = max((1.0 - smallest(undisturbed_part(material, tau, c_d.w))), 1.0e-6);
+        if (material.transparency_shininess == NONE) {
+            let passed = smallest(tau);
+            straight = max((tau - vec3f(passed, passed, passed)), zero);
+        } else {
+            let cut = (1.0 - clamp((c_d.w * material.opacity), 0.0, 1.0));
+            blurred = max((tau - vec3f(cut, cut, cut)), zero);
+        }
+        if interpolated {
+            diffuse *= (1.0 / opacity);
+            glossy *= (1.0 / opacity);
+        }
+        straight *= (1.0 / opacity);
+        blurred *= (1.0 / opacity);
     }
-    if (material.interpolated_transparency != 0u) {
-        diffuse *= (1.0 / opacity);
-        glossy *= (1.0 / opacity);
-    }
-    straight *= (1.0 / opacity);
-    blurred *= (1.0 / opacity);
     let total = largest(((((diffuse + glossy) + diffuse_transmission) + straight) + blurred));
     let scale = (1.0 / max(total, 1.0));
-    let shininess = channel_value_Buffers(scene, material.shininess, uv, black);
-    let transmission_shininess = channel_value_Buffers(scene, material.transparency_shininess, uv, black);
-    return Bsdf((diffuse * scale), (diffuse_transmission * scale), (glossy * scale), select(shininess_exponent(shininess.x), 4.0, (material.shininess == NONE)), (blurred * scale), shininess_exponent(transmission_shininess.x), (straight * scale), vec3f(emissive.x, emissive.y, emissive.z));
+    return Bsdf((diffuse * scale), (diffuse_transmission * scale), (glossy * scale), exponent, (blurred * scale), transmission_exponent, (straight * scale), vec3f(emissive.x, emissive.y, emissive.z), eta);
+}
+
+fn sided_material_Buffers(scene: Buffers, index: u32, front: bool) -> MaterialRecord {
+    let material = Buffers_material(scene, index);
+    if (front || (material.back == NONE)) {
+        return material;
+    }
+    return Buffers_material(scene, material.back);
 }
 
 fn surface_opacity_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) -> f32 {
@@ -931,6 +1034,9 @@ fn surface_opacity_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) 
 }
 
 fn surface_transmittance_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) -> vec3f {
+    if (material.refractive_index > 0.0) {
+        return vec3f(0.0, 0.0, 0.0);
+    }
     let grey = vec4f(0.5, 0.5, 0.5, 1.0);
     let diffuse = channel_value_Buffers(scene, material.diffuse, uv, grey);
     let tau = clear_transmission_Buffers(scene, material, uv, diffuse.w);
@@ -989,7 +1095,7 @@ fn closer_hit_Buffers(
             return Hit(hit, index, instance);
         }
         let uv = hit_uv_Buffers(scene, index, shape, ray, hit);
-        let opacity = surface_opacity_Buffers(scene, Buffers_material(scene, shape.material), uv);
+        let opacity = surface_opacity_Buffers(scene, material_hit_Buffers(scene, shape, ray, hit), uv);
         if (opacity >= 1.0) {
             return Hit(hit, index, instance);
         }
@@ -1089,6 +1195,19 @@ fn hit_uv_Buffers(
     return attribute_uv_Buffers(scene, shape, surface, uv);
 }
 
+fn material_hit_Buffers(scene: Buffers, shape: ShapeRecord, ray: Ray, hit: ShapeHit) -> MaterialRecord {
+    let material = Buffers_material(scene, shape.material);
+    if (material.back == NONE) {
+        return material;
+    }
+    let outward = object_normal(shape, hit.face, hit_point(shape, ray, hit));
+    let onwards = transform_vector(shape.object_from_world, ray.direction);
+    if (dot(outward, onwards) <= 0.0) {
+        return material;
+    }
+    return Buffers_material(scene, material.back);
+}
+
 fn object_transmittance_Buffers(scene: Buffers, index: u32, ray: Ray, t_max: f32) -> vec3f {
     let shape = Buffers_shape(scene, index);
     var passed = vec3f(1.0, 1.0, 1.0);
@@ -1102,7 +1221,7 @@ fn object_transmittance_Buffers(scene: Buffers, index: u32, ray: Ray, t_max: f32
             return vec3f(0.0, 0.0, 0.0);
         }
         let uv = hit_uv_Buffers(scene, index, shape, ray, hit);
-        passed *= surface_transmittance_Buffers(scene, Buffers_material(scene, shape.material), uv);
+        passed *= surface_transmittance_Buffers(scene, material_hit_Buffers(scene, shape, ray, hit), uv);
         t_min = hit.t;
     }
     return passed;
@@ -1383,10 +1502,6 @@ fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
     return power_heuristic(previous.pdf, light_pdf);
 }
 
-fn transmits(bsdf: Bsdf) -> bool {
-    return (largest((bsdf.diffuse_transmission + bsdf.glossy_transmission)) > 0.0);
-}
-
 fn direct_light_Buffers(
     scene: Buffers,
     point: SurfacePoint,
@@ -1483,6 +1598,7 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
     var throughput = vec3f(1.0, 1.0, 1.0);
     var ray = first;
     var touched: u32 = 0u;
+    var media = empty_space();
     var previous = PathVertex(first.origin, 0.0, 0.0, 0.0);
     for (var segment = 0u; segment < MAX_SEGMENTS; segment++) {
         let hit = closest_hit_Buffers(scene, ray, key, segment);
@@ -1500,7 +1616,16 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
         if (surface.light != NONE) {
             result.radiance += (throughput * lamp_radiance_Buffers(scene, surface.light, previous, point.position, cos_front));
         }
-        let bsdf = material_bsdf_Buffers(scene, Buffers_material(scene, shape.material), point.uv);
+        let front = (cos_front >= 0.0);
+        let material = sided_material_Buffers(scene, shape.material, front);
+        let body = (surface.source ^ ((hit.instance + 1u) * 2654435769u));
+        var eta: f32 = 1.0;
+        if (material.refractive_index > 0.0) {
+            let outside = leave_medium(media, body).indices.x;
+            let inside = material.refractive_index;
+            eta = select((inside / outside), (outside / inside), front);
+        }
+        let bsdf = material_bsdf_Buffers(scene, material, point.uv, eta, dot(normal, wo));
         result.radiance += (throughput * bsdf.emissive);
         if (touched >= depth) {
             throughput *= bsdf.straight;
@@ -1524,6 +1649,13 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
             return result;
         }
         throughput *= sample.weight;
+        if ((material.refractive_index > 0.0) && ((dot(sample.direction, point.normal) * cos_front) < 0.0)) {
+            if front {
+                media = enter_medium(media, body, material.refractive_index);
+            } else {
+                media = leave_medium(media, body);
+            }
+        }
         ray = Ray(offset_origin(point, sample.direction), sample.direction);
         if (sample.event != EVENT_PASSED) {
             touched += 1u;

@@ -13,7 +13,7 @@ use scene::{
     Camera, Channel, DAffine3, DVec3, Light, LightKind, Material, MaterialId, Object, Origin, Phong,
     Projection, Rgb, Scene, Shape, Sky, TypeNameId,
 };
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 pub const ORIGIN: Origin = Origin { node: 1, type_name: TypeNameId(0) };
 
@@ -43,6 +43,7 @@ impl Builder {
             world_from_object,
             material,
             emission: None,
+            interior: None,
             origin: ORIGIN,
         });
         self.scene.objects.last_mut().unwrap()
@@ -107,19 +108,23 @@ pub fn render_without_bvh(scene: &Scene, settings: &RenderSettings) -> Film {
     device.load(compiled).unwrap().render(settings, &go_on).unwrap()
 }
 
-/// The first adapter, or `None` with a printed reason. With the environment variable `SUNSHINE_REQUIRE_GPU` a
-/// missing adapter is a failure.
+/// The first adapter, opened once for all tests of a file, or `None` with a printed reason. With the environment
+/// variable `SUNSHINE_REQUIRE_GPU` a missing adapter is a failure.
 pub fn gpu() -> Option<Arc<Gpu>> {
-    let adapters = list_gpus();
-    if adapters.is_empty() {
-        assert!(
-            std::env::var_os("SUNSHINE_REQUIRE_GPU").is_none(),
-            "SUNSHINE_REQUIRE_GPU is set, but no GPU adapter was found"
-        );
-        eprintln!("skipped: no GPU adapter on this machine (a software one will do: mesa-vulkan-drivers)");
-        return None;
+    static FIRST: OnceLock<Option<Arc<Gpu>>> = OnceLock::new();
+    FIRST.get_or_init(open_first_gpu).clone()
+}
+
+fn open_first_gpu() -> Option<Arc<Gpu>> {
+    if !list_gpus().is_empty() {
+        return Some(Arc::new(Gpu::open(0).unwrap()));
     }
-    Some(Arc::new(Gpu::open(0).unwrap()))
+    assert!(
+        std::env::var_os("SUNSHINE_REQUIRE_GPU").is_none(),
+        "SUNSHINE_REQUIRE_GPU is set, but no GPU adapter was found"
+    );
+    eprintln!("skipped: no GPU adapter on this machine (a software one will do: mesa-vulkan-drivers)");
+    None
 }
 
 /// Mean of a picture per channel and the standard error of that mean, predicted from the samples.
