@@ -365,23 +365,37 @@ fn within_radius(ray: Ray, t: f32, radius: f32) -> bool {
     return (((x * x) + (y * y)) <= (radius * radius));
 }
 
-fn intersect_flat(flags: u32, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
-    let kind = (flags & SHAPE_MASK);
-    if (kind == SHAPE_PLANE) {
-        let t = (-ray.origin.z / away_from_zero(ray.direction.z));
-        if ((t > t_min) && (t < t_max)) {
-            return ShapeHit(t, 0u);
-        }
-        return no_hit();
-    }
-    let t = (-ray.origin.y / away_from_zero(ray.direction.y));
+fn intersect_flat(kind: u32, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+    var t = (-ray.origin.y / away_from_zero(ray.direction.y));
     let x = (ray.origin.x + (t * ray.direction.x));
     let z = (ray.origin.z + (t * ray.direction.z));
     var inside = (((abs(x) <= 1.0) && (z >= 0.0)) && (z <= 1.0));
-    if (kind == SHAPE_TRIANGLE) {
-        let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, (ray.direction.y < 0.0));
-        inside = ((((x >= 0.0) && (z >= 0.0)) && ((x + z) <= 1.0)) && ((flags & hidden) == 0u));
+    if (kind == SHAPE_PLANE) {
+        t = (-ray.origin.z / away_from_zero(ray.direction.z));
+        inside = true;
     }
+    if ((inside && (t > t_min)) && (t < t_max)) {
+        return ShapeHit(t, 0u);
+    }
+    return no_hit();
+}
+
+fn intersect_triangle(
+    shape: ShapeRecord,
+    ray_world: Ray,
+    ray: Ray,
+    t_min: f32,
+    t_max: f32,
+) -> ShapeHit {
+    let t = (-ray.origin.y / away_from_zero(ray.direction.y));
+    let x = (ray.origin.x + (t * ray.direction.x));
+    let z = (ray.origin.z + (t * ray.direction.z));
+    let far = (abs(ray_world.origin) + (abs(ray_world.direction) * abs(t)));
+    let magnitude = vec4f(far.x, far.y, far.z, 1.0);
+    let margin_x = (ROUNDING * dot(abs(shape.object_from_world.row0), magnitude));
+    let margin_z = (ROUNDING * dot(abs(shape.object_from_world.row2), magnitude));
+    let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, (ray.direction.y < 0.0));
+    let inside = ((((x >= -margin_x) && (z >= -margin_z)) && ((x + z) <= ((1.0 + margin_x) + margin_z))) && ((shape.kind & hidden) == 0u));
     if ((inside && (t > t_min)) && (t < t_max)) {
         return ShapeHit(t, 0u);
     }
@@ -391,8 +405,11 @@ fn intersect_flat(flags: u32, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
 fn intersect_shape(shape: ShapeRecord, ray_world: Ray, t_min: f32, t_max: f32) -> ShapeHit {
     let ray = transform_ray(shape.object_from_world, ray_world);
     let kind = (shape.kind & SHAPE_MASK);
+    if (kind == SHAPE_TRIANGLE) {
+        return intersect_triangle(shape, ray_world, ray, t_min, t_max);
+    }
     if (kind >= SHAPE_PLANE) {
-        return intersect_flat(shape.kind, ray, t_min, t_max);
+        return intersect_flat(kind, ray, t_min, t_max);
     }
     if (kind == SHAPE_FRUSTUM) {
         return intersect_frustum(shape, ray, t_min, t_max);
