@@ -11,6 +11,7 @@ use crate::modules::{Sources, StaticValue};
 use crate::output::Output;
 use crate::shaders::{GRAY, ShaderSource, Shaders};
 use crate::shapes::{self, Geometry};
+use crate::surfaces::{SurfaceClass, Surfaces};
 use crate::transform::{self, Frames};
 use crate::turtle_state::{EGA_COLORS, StateCommand, TurtleState, initial_turtle_state};
 use crate::types::Types;
@@ -70,6 +71,7 @@ pub(crate) struct Builder<'a> {
     pub out: Output,
     pub frames: Vec<DrawnFrames>,
     meshes: Meshes,
+    surfaces: Surfaces,
     initial: TurtleState,
     has_light: bool,
 }
@@ -81,6 +83,7 @@ impl<'a> Builder<'a> {
         types: &'a Types,
         sources: &'a Sources,
         shaders: Shaders<'a>,
+        surfaces: Surfaces,
         out: Output,
     ) -> Self {
         let initial = TurtleState::default();
@@ -94,6 +97,7 @@ impl<'a> Builder<'a> {
             out,
             frames: Vec::new(),
             meshes: Meshes::default(),
+            surfaces,
             initial,
             has_light: false,
         }
@@ -202,6 +206,7 @@ impl<'a> Builder<'a> {
                 self.draw(&site, fields, Some(geometry), material)?;
             }
             Class::Mesh => self.mesh(&site, fields, material)?,
+            Class::Surface(surface) => self.surface(&site, surface, fields, material)?,
             Class::Axis(shape) => {
                 self.draw(&site, fields, shapes::axis_shape(shape, fields)?, material)?;
             }
@@ -300,7 +305,29 @@ impl<'a> Builder<'a> {
     }
 
     fn mesh(&mut self, site: &Site, fields: &Fields<'_>, material: MaterialId) -> Result<(), ReadError> {
-        match self.meshes.geometry(fields, &mut self.out.scene)? {
+        let geometry = self.meshes.geometry(fields, &mut self.out.scene)?;
+        self.draw_or_skip(site, fields, geometry, material)
+    }
+
+    fn surface(
+        &mut self,
+        site: &Site,
+        class: SurfaceClass,
+        fields: &Fields<'_>,
+        material: MaterialId,
+    ) -> Result<(), ReadError> {
+        let geometry = self.surfaces.geometry(class, fields, &mut self.out)?;
+        self.draw_or_skip(site, fields, geometry, material)
+    }
+
+    fn draw_or_skip(
+        &mut self,
+        site: &Site,
+        fields: &Fields<'_>,
+        geometry: Result<Geometry, String>,
+        material: MaterialId,
+    ) -> Result<(), ReadError> {
+        match geometry {
             Ok(geometry) => self.draw(site, fields, Some(geometry), material),
             Err(reason) => {
                 self.record(site);

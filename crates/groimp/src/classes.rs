@@ -1,5 +1,6 @@
 //! Which of GroIMP's classes a node type is.
 
+use crate::surfaces::SurfaceClass;
 use crate::turtle_state::StateCommand;
 
 /// What a node does to its frame, to the turtle and to the picture.
@@ -17,6 +18,8 @@ pub(crate) enum Class {
     Sky,
     /// MeshNode.
     Mesh,
+    /// A shape that becomes triangles.
+    Surface(SurfaceClass),
     Axis(AxisShape),
     /// Turtle command that draws a cylinder.
     Shoot(Amount),
@@ -83,15 +86,15 @@ pub(crate) enum Amount {
 pub(crate) enum Skip {
     /// Drawn in the editor only.
     NotVisible,
-    /// Visible, but not read yet. The flag tells whether its layer is 1 by default.
-    NotYet { layer_one: bool },
+    /// Visible, but not read yet.
+    NotYet,
 }
 
 impl Skip {
     pub fn reason(self) -> &'static str {
         match self {
             Skip::NotVisible => "not visible in a picture",
-            Skip::NotYet { .. } => "not supported yet",
+            Skip::NotYet => "not supported yet",
         }
     }
 }
@@ -100,7 +103,8 @@ impl Class {
     /// Layer of a node that names none.
     pub fn default_layer(self) -> f64 {
         match self {
-            Class::Mesh | Class::Skipped(Skip::NotYet { layer_one: true }) => 1.0,
+            Class::Mesh => 1.0,
+            Class::Surface(surface) if surface.is_sheet() => 1.0,
             _ => 0.0,
         }
     }
@@ -115,6 +119,7 @@ impl Class {
                 | Class::LightNode
                 | Class::Sky
                 | Class::Mesh
+                | Class::Surface(_)
                 | Class::Axis(_)
                 | Class::Skipped(_)
         )
@@ -157,10 +162,15 @@ fn object(name: &str) -> Option<Class> {
         "Point" | "PointCloud" | "TextLabel" | "NURBSCurve" | "SensorNode" | "SensorNodeGrid"
         | "SensorAreaGrid" | "GridClonerNode" => Class::Skipped(Skip::NotVisible),
         "MeshNode" => Class::Mesh,
-        "NURBSSurface" | "Patch" | "Polygon" => Class::Skipped(Skip::NotYet { layer_one: true }),
-        "Instance3D" | "SphereSegmentSolid" | "Supershape" | "Lamella" => {
-            Class::Skipped(Skip::NotYet { layer_one: false })
-        }
+        "NURBSSurface" => Class::Surface(SurfaceClass::Nurbs),
+        "Patch" => Class::Surface(SurfaceClass::Patch),
+        "Polygon" => Class::Surface(SurfaceClass::Polygon),
+        "SphereSegmentSolid" => Class::Surface(SurfaceClass::SphereSegment),
+        "Supershape" => Class::Surface(SurfaceClass::Supershape),
+        "Lamella" => Class::Surface(SurfaceClass::Lamella),
+        // The solids of newer versions: their fields are not known.
+        "Prism" | "PrismRectangular" | "FrustumIrregular" => Class::Skipped(Skip::NotYet),
+        "Instance3D" => Class::Skipped(Skip::NotYet),
         _ => return None,
     })
 }

@@ -58,6 +58,7 @@ pub(crate) fn frames(
         | Class::LightNode
         | Class::Sky
         | Class::Mesh
+        | Class::Surface(_)
         | Class::Axis(_)
         | Class::Line
         | Class::Skipped(_) => placed(class, fields, parent),
