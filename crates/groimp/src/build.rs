@@ -7,11 +7,13 @@ use crate::fields::{Field, Fields};
 use crate::graph::{Graph, Node, NodeIndex};
 use crate::lights::{self, LightValue};
 use crate::meshes::Meshes;
+use crate::module_lights;
 use crate::modules::{Sources, StaticValue};
 use crate::output::Output;
 use crate::shaders::{GRAY, ShaderSource, Shaders};
 use crate::shapes::{self, Geometry};
 use crate::surfaces::{SurfaceClass, Surfaces};
+use crate::targets::PlacedTargets;
 use crate::transform::{self, Frames};
 use crate::turtle_state::{EGA_COLORS, StateCommand, TurtleState, initial_turtle_state};
 use crate::types::Types;
@@ -72,6 +74,7 @@ pub(crate) struct Builder<'a> {
     pub frames: Vec<DrawnFrames>,
     meshes: Meshes,
     surfaces: Surfaces,
+    pub placed_targets: PlacedTargets,
     initial: TurtleState,
     has_light: bool,
 }
@@ -98,6 +101,7 @@ impl<'a> Builder<'a> {
             frames: Vec::new(),
             meshes: Meshes::default(),
             surfaces,
+            placed_targets: PlacedTargets::new(graph, types),
             initial,
             has_light: false,
         }
@@ -182,7 +186,11 @@ impl<'a> Builder<'a> {
         if class == Class::RggRoot {
             state = self.initial;
         }
-        let (frames, oddity) = transform::frames(class, fields, frame, &state)?;
+        let (frames, oddity) = match class {
+            Class::TowardsNode => self.towards_node(fields, frame)?,
+            _ => transform::frames(class, fields, frame, &state)?,
+        };
+        self.placed_targets.note(node, fields.in_file, &frames);
         if let Some(oddity) = oddity {
             let message = format!("{}: {oddity}", self.graph.type_name(node));
             self.out.report.warn(message, location);
@@ -226,7 +234,8 @@ impl<'a> Builder<'a> {
             | Class::Directional
             | Class::TowardsPoint
             | Class::Orthogonal
-            | Class::UnknownTurn => {}
+            | Class::TowardsNode
+            | Class::Alias(_) => {}
         }
         let for_children = Inherited { frame: frames.post, state, material };
         // Which turtle state a body starts with is unverified.
@@ -351,7 +360,11 @@ impl<'a> Builder<'a> {
         let mut emission = None;
         if site.class == Class::Axis(AxisShape::Parallelogram) {
             let color = self.shaders.mean(material);
-            match lights::area_light(fields, color)? {
+            let light = match fields.get("light") {
+                Field::Module(StaticValue::Light(light)) => Some(module_lights::area_light(light, color)),
+                _ => lights::area_light(fields, color)?,
+            };
+            match light {
                 Some(Ok(light)) => emission = Some(light),
                 Some(Err(reason)) => self.out.report.skip(type_name, reason),
                 None => {}
@@ -391,7 +404,12 @@ impl<'a> Builder<'a> {
 
     /// A light shines also when its layer is hidden (unverified).
     fn light(&mut self, site: &Site, fields: &Fields<'_>) -> Result<(), ReadError> {
-        match lights::light(fields)? {
+        let light = match fields.get("light") {
+            Field::Module(StaticValue::Light(light)) => module_lights::light(light),
+            Field::Module(StaticValue::Null) => LightValue::None,
+            _ => lights::light(fields)?,
+        };
+        match light {
             LightValue::None => {}
             LightValue::Skipped(class, reason) => self.out.report.skip(&class, reason),
             LightValue::Light { .. } if !shapes::is_invertible(&site.frames.own) => {

@@ -45,8 +45,10 @@ pub(crate) enum Class {
     Line,
     /// Known and placed like Null, but not drawn.
     Skipped(Skip),
-    /// Turns or moves the turtle in a way that is not known here.
-    UnknownTurn,
+    /// RN.
+    TowardsNode,
+    /// Left, Right, Up, Down.
+    Alias(Axis),
 }
 
 /// Shapes with a length along z, at whose end their children start.
@@ -202,8 +204,15 @@ fn turtle(name: &str) -> Option<Class> {
         "RD" => Class::Directional,
         "RP" => Class::TowardsPoint,
         "RO" => Class::Orthogonal,
-        // The axes of these aliases are unverified; RN points to a node.
-        "RN" | "Left" | "Right" | "Up" | "Down" => Class::UnknownTurn,
+        "RN" => Class::TowardsNode,
+        // The axes of these are unverified. Taken by their names: they turn the head towards the turtle's left (x)
+        // or up (y) and away from it. Turning left is a rotation about the up axis, as Plus, and RU(90) takes the
+        // head from z to +x, the left; so Left(a) is RU(a) and Right(a) is RU(-a). Pitching is a rotation about
+        // the left axis, and RL(90) takes the head from z to -y, down; so Down(a) is RL(a) and Up(a) is RL(-a)
+        // (`+ - & ^` of Prusinkiewicz and Lindenmayer, "The Algorithmic Beauty of Plants", 1.5). Files store the
+        // final sign, so the constructors of Right and Up have negated the angle already, as that of Minus.
+        "Left" | "Right" => Class::Alias(Axis::Y),
+        "Up" | "Down" => Class::Alias(Axis::X),
         "OR" => Class::Plain,
         _ => return StateCommand::named(name).map(Class::State),
     })

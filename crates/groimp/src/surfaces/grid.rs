@@ -103,10 +103,17 @@ fn cut(surface: &dyn Surface, breaks: &[Vec<f64>; 2], fineness: Fineness) -> ([V
         let pieces = breaks[direction].len() - 1;
         let most = (MOST_CELLS / pieces).max(MOST_CELLS_OF_MANY);
         let piece = |ends: &[f64]| {
-            let mut cells = least[direction].clamp(1, most);
-            while cells < most && !chords_fit(&point, [ends[0], ends[1]], cells, &across, fineness.tolerance)
-            {
+            let fit = |cells| chords_fit(&point, [ends[0], ends[1]], cells, &across, fineness.tolerance);
+            let least = least[direction].clamp(1, most);
+            let mut cells = least;
+            while cells < most && !fit(cells) {
                 cells *= 2;
+            }
+            // Twice as many may have been too many.
+            for step in [cells / 4, cells / 8, cells / 16] {
+                if step > 0 && cells - step > least && cells <= most && fit(cells - step) {
+                    cells -= step;
+                }
             }
             cells.min(most)
         };
