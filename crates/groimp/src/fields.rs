@@ -119,7 +119,7 @@ impl<'a> Fields<'a> {
             Some(StaticValue::Number(number)) => Some(DVec3::splat(*number)),
             _ => None,
         };
-        let rotation = vector("rotation").map_or(DMat3::IDENTITY, components::rotation);
+        let rotation = vector("setRotation").map_or(DMat3::IDENTITY, components::rotation);
         DAffine3::from_translation(vector("transform").unwrap_or(DVec3::ZERO))
             * DAffine3::from_mat3(rotation)
             * DAffine3::from_scale(vector("scale").unwrap_or(DVec3::ONE))

@@ -173,7 +173,7 @@ fn flat_and_empty_shapes_are_counted() {
     assert_eq!(skipped, [(2, "it has no extent"), (1, "its transformation is flat or not a number")]);
 }
 
-/// A chain of turtle commands (`T.` stands for their package) and where its end is.
+/// Where a chain of turtle commands ends, and what was reported.
 fn end(test: &str, nodes: &[(&str, String)]) -> (DAffine3, String) {
     let full: Vec<_> = nodes
         .iter()
@@ -239,7 +239,7 @@ fn tropisms_use_and_reset_the_state() {
     near(head("rvadd", vec![("V", argument(0.3)), lying(), ("RVAdd", argument(0.2))]), bent(0.5));
     near(head("rvmul", vec![("V", argument(0.3)), lying(), ("RVMul", argument(2.0))]), bent(0.6));
     // The local value holds once.
-    let nodes = vec![("Vl", argument(9.0)), ("RV0", String::new()), lying(), ("RV0", String::new())];
+    let nodes = vec![("Vl", argument(9.0)), ("RVMul", argument(0.0)), lying(), ("RV0", String::new())];
     near(head("rv0_twice", nodes), [0.0, 1.0, 0.0]);
     let direction = "<object gx:name=\"direction\" gx:value=\"0 0 2\"/>".to_owned() + &data("strength", 0.25);
     near(head("rd", vec![lying(), ("RD", direction.clone())]), [0.0, 0.5f64.cos(), 0.5f64.sin()]);

@@ -117,7 +117,7 @@ fn lights_and_transformations() {
     assert!(light.properties.iter().map(|(name, value)| (name.as_str(), value.clone())).eq(expected));
     assert_eq!(
         tree("Null().(setRotation(1, f, 0), setScale(1, 2, n), setTranslation(4, 5, 6))"),
-        "-:Null(rotation=Vector([1.0, 0.5, 0.0]),scale=Vector([1.0, 2.0, 3.0]),transform=Vector([4.0, 5.0, 6.0]))"
+        "-:Null(scale=Vector([1.0, 2.0, 3.0]),setRotation=Vector([1.0, 0.5, 0.0]),transform=Vector([4.0, 5.0, 6.0]))"
     );
 }
 
@@ -175,6 +175,12 @@ fn hostile_bodies_end() {
         "for (0:2000000000) (for (0:2000000000) ())".to_owned(),
         "for (1:5000) (M(1))".to_owned(),
         format!("{}M({})", "if (true) ".repeat(deep), "(".repeat(deep)),
+        format!("M({}1{})", "{".repeat(deep), "}".repeat(deep)),
+        format!("M({}1{})", "a[".repeat(deep), "]".repeat(deep)),
+        format!("M({}1{})", "true ? ".repeat(deep), ": 1".repeat(deep)),
+        format!("M(a{})", ".length".repeat(deep)),
+        "M(new float[2000000000][0])".to_owned(),
+        "for (1:1000000) (M((new float[99999])[0]))".to_owned(),
     ] {
         let found = tree(&body);
         assert!(["too many", "too involved", "not"].iter().any(|part| found.contains(part)), "{found}");

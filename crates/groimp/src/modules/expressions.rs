@@ -396,6 +396,14 @@ impl Parser<'_> {
                 && self.file.after(start + 1) == end
                 && let Some(property) = property_of_setter(name)
             {
+                // How the editor shows the rays of a light may depend on anything.
+                if matches!(
+                    (&*value, &*property),
+                    (Value::Light(_), "visualize" | "numberofrays" | "raylength")
+                ) {
+                    start = end + 1;
+                    continue;
+                }
                 let argument = self.scope.evaluate(self.file.inside(start + 1))?;
                 set_property(value, &property, argument)?;
             } else if let Some(property) = property_of_getter(name)

@@ -300,8 +300,9 @@ impl<'a> Instance<'a> {
             ("rotation" | "scale", [_, _, _])
                 if numbers.len() == 3 && builtins::has_transform(self.class) =>
             {
-                self.fields
-                    .insert(property.into(), StaticValue::Vector([numbers[0], numbers[1], numbers[2]]));
+                // Not `rotation`, which modules may have as a field of their own.
+                let name = if property == "rotation" { "setRotation" } else { property };
+                self.fields.insert(name.into(), StaticValue::Vector([numbers[0], numbers[1], numbers[2]]));
             }
             ("rotation", _) => return false,
             (_, [value]) => self.set_field(property, value.clone()),

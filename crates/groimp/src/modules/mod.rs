@@ -59,7 +59,7 @@ pub struct ResolvedModule {
     /// value; the others are 0, false or null.
     ///
     /// `transform` is given as a translation. `scale` of a class with a `transform` is one factor or three, and
-    /// `rotation` are angles in radians about x, then y, then z. They belong to the default of `transform` and have
+    /// `setRotation` are angles in radians about x, then y, then z. They belong to the default of `transform` and have
     /// no meaning when the file stores a `transform`.
     pub defaults: Vec<FieldDefault>,
     /// Whether a `==>` instantiation body is declared anywhere in the chain.
