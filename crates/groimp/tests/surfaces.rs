@@ -256,3 +256,37 @@ fn surfaces_that_make_no_sense_are_counted() {
     let path = file("no_numbers", "graph.xml", graph(&node(1, &bezier(&[], &[("uCount", "x")]))).as_bytes());
     assert!(groimp::read(&path).unwrap_err().to_string().contains("field 'uCount'"));
 }
+
+/// Changed bytes may be errors, reasons or another surface; only panics and endless work are wrong.
+#[test]
+fn damaged_surfaces_never_panic() {
+    let points = control_points(4, 4);
+    let knots = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+    let numbers = [flat(&points), knots.to_vec(), knots.to_vec()].concat();
+    let members = [("dimension", "3"), ("uCount", "4"), ("uDegree", "3"), ("vPeriodic", "false")];
+    let wild = |class: &str, fields: String| {
+        format!("<node id=\"2\" type=\"de.grogra.imp3d.objects.{class}\" edges=\"+\">{fields}</node>\n")
+    };
+    let cases = [
+        node(1, &surface("BSplineSurfaceImpl", &numbers, &members)),
+        wild("Supershape", data("m1", 3.25) + &data("n12", 1.5) + &data("a", 2.5) + &data("m2", 4)),
+        wild("SphereSegmentSolid", data("theta1", 0.25) + &data("theta2", 1.5) + &data("phi", 2.5)),
+        wild("Lamella", data("width", 2.5) + &data("a", 1.5) + &data("b", -3.5)),
+    ];
+    // Enough to see the changes, and quick.
+    let limits = groimp::Limits { surface_triangles: 2000, ..groimp::Limits::default() };
+    let mut random = 1u32;
+    for case in cases {
+        let text = graph(&case);
+        let start = text.find("<node id=\"1\"").or(text.find("<node id=\"2\"")).unwrap();
+        for _ in 0..300 {
+            let mut bytes = text.clone().into_bytes();
+            // Numerical Recipes' quick generator.
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let at = start + (random >> 8) as usize % case.len();
+            // Mostly what keeps numbers numbers.
+            bytes[at] = b"0123456789.-eE \"x"[(random >> 4) as usize % 17];
+            let _ = groimp::read_within(&file("damaged_surface", "graph.xml", &bytes), limits);
+        }
+    }
+}
