@@ -205,6 +205,23 @@ fn surfaces_may_shrink_to_a_point() {
 }
 
 #[test]
+fn shared_surfaces_are_found() {
+    let shared = "<shared gx:name=\"surface\" gx:value=\"MetaGraph:#50\"/>";
+    let numbers = text(&flat(&control_points(3, 2)));
+    let nodes = node(1, shared)
+        + &node(2, shared)
+        + &node(3, &surface("BezierSurface", &flat(&control_points(3, 2)), &[("uCount", "3")]))
+        + &format!(
+            "<node id=\"50\" type=\"de.grogra.graph.impl.SharedObjectNode\"><ref gx:name=\"object\" \
+             gx:value=\"51\"/><node id=\"51\" type=\"de.grogra.math.BezierSurface\" \
+             edges=\"edge.sharedobject\"><array gx:name=\"data\" gx:value=\"{numbers}\"/><data gx:name=\"uCount\" \
+             gx:value=\"3\"/></node></node>"
+        );
+    let project = read("shared_surface", &nodes);
+    assert_eq!((project.scene.objects.len(), project.scene.meshes.len()), (3, 1), "{}", project.report);
+}
+
+#[test]
 fn surfaces_that_make_no_sense_are_counted() {
     let good = control_points(4, 4);
     let knots = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];

@@ -20,6 +20,7 @@ mod statements;
 #[cfg(test)]
 mod tests;
 mod values;
+mod with_blocks;
 
 use declarations::{Constant, Declaration, File};
 use expressions::Meter;

@@ -48,6 +48,9 @@ impl SurfaceClass {
     }
 }
 
+/// A surface that fails counts as much as one of so many triangles.
+const FAILURE: usize = 512;
+
 /// What tells one surface from another.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
@@ -110,9 +113,11 @@ impl Surfaces {
                     if mesh.triangles.is_empty() {
                         return Err("it has no extent".to_owned());
                     }
-                    self.triangles_left = self.triangles_left.saturating_sub(mesh.triangles.len());
-                    Ok(out.scene.add_mesh(mesh))
+                    Ok((mesh.triangles.len(), out.scene.add_mesh(mesh)))
                 });
+                let triangles = built_triangles(&mesh);
+                self.triangles_left = self.triangles_left.saturating_sub(triangles);
+                let mesh = mesh.map(|(_, mesh)| mesh);
                 self.by_key.insert(key, mesh.clone());
                 mesh
             }
@@ -172,6 +177,11 @@ impl Surfaces {
             },
         })
     }
+}
+
+/// What a surface takes of the triangles that are left. Also one that fails was work, which has to end.
+fn built_triangles(built: &Result<(usize, MeshId), String>) -> usize {
+    built.as_ref().map_or(FAILURE, |(triangles, _)| *triangles)
 }
 
 fn describe(
