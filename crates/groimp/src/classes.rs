@@ -43,6 +43,10 @@ pub(crate) enum Class {
     Orthogonal,
     State(StateCommand),
     Line,
+    /// Instance3D.
+    Instance,
+    /// GridClonerNode.
+    GridCloner,
     /// Known and placed like Null, but not drawn.
     Skipped(Skip),
     /// RN.
@@ -123,6 +127,7 @@ impl Class {
                 | Class::Mesh
                 | Class::Surface(_)
                 | Class::Axis(_)
+                | Class::Instance
                 | Class::Skipped(_)
         )
     }
@@ -160,9 +165,10 @@ fn object(name: &str) -> Option<Class> {
         "Frustum" => Class::Axis(AxisShape::Frustum),
         "Parallelogram" => Class::Axis(AxisShape::Parallelogram),
         "Line" => Class::Line,
-        // That the light model's clones of a grid are not drawn is unverified.
         "Point" | "PointCloud" | "TextLabel" | "NURBSCurve" | "SensorNode" | "SensorNodeGrid"
-        | "SensorAreaGrid" | "GridClonerNode" => Class::Skipped(Skip::NotVisible),
+        | "SensorAreaGrid" => Class::Skipped(Skip::NotVisible),
+        "Instance3D" => Class::Instance,
+        "GridClonerNode" => Class::GridCloner,
         "MeshNode" => Class::Mesh,
         "NURBSSurface" => Class::Surface(SurfaceClass::Nurbs),
         "Patch" => Class::Surface(SurfaceClass::Patch),
@@ -172,7 +178,6 @@ fn object(name: &str) -> Option<Class> {
         "Lamella" => Class::Surface(SurfaceClass::Lamella),
         // The solids of newer versions: their fields are not known.
         "Prism" | "PrismRectangular" | "FrustumIrregular" => Class::Skipped(Skip::NotYet),
-        "Instance3D" => Class::Skipped(Skip::NotYet),
         _ => return None,
     })
 }

@@ -15,6 +15,7 @@ mod components;
 mod error;
 mod fields;
 mod graph;
+mod groups;
 mod images;
 mod inline;
 mod java_stream;

@@ -23,9 +23,9 @@ impl PlacedTargets {
         PlacedTargets(targets.map(|target| (target, None)).collect())
     }
 
-    /// Notes where a node of the file stands, if that is of interest.
-    pub fn note(&mut self, node: NodeIndex, in_file: bool, frames: &Frames) {
-        if let Some(place) = self.0.get_mut(&node).filter(|_| in_file) {
+    /// Notes where a node stands, if that is of interest. `is_single`: it stands in the file and at one place only.
+    pub fn note(&mut self, node: NodeIndex, is_single: bool, frames: &Frames) {
+        if let Some(place) = self.0.get_mut(&node).filter(|_| is_single) {
             *place = Some(frames.own.translation);
         }
     }
@@ -45,6 +45,11 @@ impl Builder<'_> {
             Field::Module(_) | Field::Missing => None,
         };
         let strength = fields.number("strength", 0.01)?;
+        if self.groups.inside {
+            let oddity =
+                "it is drawn through instances, which have no common direction; its rotation is left out";
+            return Ok((Frames { own: parent, post: parent }, Some(oddity.to_owned())));
+        }
         let (post, oddity) = match found.map(|target| self.placed_targets.0.get(&target).copied().flatten()) {
             Some(Some(place)) => (turned_towards(parent, place, strength), None),
             Some(None) => (parent, Some("the node it turns to is placed later; its rotation is left out")),

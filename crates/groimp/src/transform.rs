@@ -66,6 +66,8 @@ pub(crate) fn frames(
         | Class::Surface(_)
         | Class::Axis(_)
         | Class::Line
+        | Class::Instance
+        | Class::GridCloner
         | Class::Skipped(_) => placed(class, fields, parent),
         Class::Shoot(amount) | Class::Move(amount) => {
             after(parent * along_z(turtle_length(fields, amount, state)?))
