@@ -73,6 +73,11 @@ pub struct RenderArguments {
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = parse_exposure)]
     pub exposure: Option<f32>,
 
+    /// Take the colours of images for sRGB, as photographs are stored. GroIMP takes them for linear, which makes
+    /// them paler; without this option they look as in GroIMP
+    #[arg(long)]
+    pub srgb_textures: bool,
+
     /// Processor threads to use [default: all]
     #[arg(long, value_name = "N", value_parser = whole_number(1..=4096))]
     pub threads: Option<u32>,
@@ -87,6 +92,11 @@ pub struct RenderArguments {
 }
 
 impl RenderArguments {
+    /// What the reader needs to know of them.
+    pub fn read_options(&self) -> groimp::ReadOptions {
+        groimp::ReadOptions { srgb_textures: self.srgb_textures, ..groimp::ReadOptions::default() }
+    }
+
     /// What the renderer needs to know of them.
     pub fn settings(&self) -> RenderSettings {
         RenderSettings {
@@ -198,6 +208,7 @@ mod tests {
         assert_eq!(arguments.size, Size { width: 640, height: 480 });
         assert_eq!(arguments.device, DeviceChoice::Auto);
         assert_eq!((arguments.samples, arguments.depth, arguments.grid, arguments.seed), (64, 5, 3, 0));
+        assert_eq!(arguments.read_options(), groimp::ReadOptions::default());
         assert!(arguments.output.is_none() && arguments.exposure.is_none() && !arguments.quiet);
     }
 
@@ -242,6 +253,11 @@ mod tests {
     fn exposures_may_be_negative() {
         assert_eq!(render(&["--exposure", "-1.5"]).unwrap().exposure, Some(-1.5));
         assert_eq!(render(&["--exposure=+2"]).unwrap().exposure, Some(2.0));
+    }
+
+    #[test]
+    fn images_may_be_srgb() {
+        assert!(render(&["--srgb-textures"]).unwrap().read_options().srgb_textures);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// How much a project may unpack to, so that a few kilobytes of input cannot fill the memory.
+/// How much a project may become in memory, so that a few kilobytes of input cannot fill it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Bytes of one file.
@@ -15,12 +15,22 @@ pub struct Limits {
     pub total_bytes: u64,
     /// Pixels of one image; a larger one is replaced by grey, with a warning.
     pub image_pixels: u64,
+    /// Triangles of one curved surface; it is drawn coarser, or not at all, if that is not enough.
+    pub surface_triangles: u64,
+    /// Triangles of all curved surfaces; those beyond are not drawn.
+    pub total_surface_triangles: u64,
 }
 
 impl Default for Limits {
-    /// 512 MiB per file, 2 GiB in total, 64 Mi pixels per image.
+    /// 512 MiB per file, 2 GiB in total, 64 Mi pixels per image, 2 Mi triangles per surface, 16 Mi of all surfaces.
     fn default() -> Self {
-        Limits { entry_bytes: 512 << 20, total_bytes: 2 << 30, image_pixels: 64 << 20 }
+        Limits {
+            entry_bytes: 512 << 20,
+            total_bytes: 2 << 30,
+            image_pixels: 64 << 20,
+            surface_triangles: 2 << 20,
+            total_surface_triangles: 16 << 20,
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use crate::classes::Class;
 use crate::fields::{Defaults, Field, Fields};
 use crate::modules::{Instantiation, Place, StaticValue, Stored};
 use crate::report::Location;
-use crate::values::{Kind, parse_number};
+use crate::values::{Kind, Value, parse_number, tokens};
 
 /// Bodies within bodies that are drawn.
 const DEEPEST: usize = 64;
@@ -131,6 +131,14 @@ fn stored(instance: &Fields<'_>, field: &str) -> Stored {
         (Kind::Data, text) => {
             parse_number(text).map_or(Stored::Other, |n| Stored::Value(StaticValue::Number(n)))
         }
+        (Kind::Array, _) => array(instance, value).map_or(Stored::Other, Stored::Value),
         _ => Stored::Other,
     }
+}
+
+/// An array of numbers, written in one text or as elements.
+fn array(instance: &Fields<'_>, array: &Value) -> Option<StaticValue> {
+    let elements = instance.graph.values.iter(array.members).map(Value::text);
+    let texts = std::iter::once(array.text()).chain(elements);
+    texts.flat_map(tokens).map(parse_number).collect::<Option<_>>().map(StaticValue::Numbers)
 }

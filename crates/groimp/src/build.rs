@@ -8,10 +8,13 @@ use crate::graph::{Graph, Node, NodeIndex};
 use crate::groups::Groups;
 use crate::lights::{self, LightValue};
 use crate::meshes::Meshes;
+use crate::module_lights;
 use crate::modules::{Sources, StaticValue};
 use crate::output::Output;
 use crate::shaders::{GRAY, ShaderSource, Shaders};
 use crate::shapes::{self, Geometry};
+use crate::surfaces::{SurfaceClass, Surfaces};
+use crate::targets::PlacedTargets;
 use crate::transform::{self, Frames};
 use crate::turtle_state::{EGA_COLORS, StateCommand, TurtleState, initial_turtle_state};
 use crate::types::Types;
@@ -83,6 +86,8 @@ pub(crate) struct Builder<'a> {
     pub groups: Groups,
     pub initial: TurtleState,
     meshes: Meshes,
+    surfaces: Surfaces,
+    pub placed_targets: PlacedTargets,
     visits: Vec<Visit>,
     tree: u32,
     has_light: bool,
@@ -95,6 +100,7 @@ impl<'a> Builder<'a> {
         types: &'a Types,
         sources: &'a Sources,
         shaders: Shaders<'a>,
+        surfaces: Surfaces,
         out: Output,
     ) -> Self {
         let initial = TurtleState::default();
@@ -107,6 +113,8 @@ impl<'a> Builder<'a> {
             shaders,
             out,
             frames: Vec::new(),
+            surfaces,
+            placed_targets: PlacedTargets::new(graph, types),
             groups: Groups::default(),
             initial,
             meshes: Meshes::default(),
@@ -225,7 +233,11 @@ impl<'a> Builder<'a> {
         if class == Class::RggRoot {
             state = self.initial;
         }
-        let (mut frames, oddity) = transform::frames(class, fields, frame, &state)?;
+        let (mut frames, oddity) = match class {
+            Class::TowardsNode => self.towards_node(fields, frame)?,
+            _ => transform::frames(class, fields, frame, &state)?,
+        };
+        self.placed_targets.note(node, fields.in_file && !self.groups.inside, &frames);
         if let Some(oddity) = oddity {
             let message = format!("{}: {oddity}", self.graph.type_name(node));
             self.out.report.warn(message, location);
@@ -252,6 +264,7 @@ impl<'a> Builder<'a> {
                 self.draw(&site, fields, Some(geometry), material)?;
             }
             Class::Mesh => self.mesh(&site, fields, material)?,
+            Class::Surface(surface) => self.surface(&site, surface, fields, material)?,
             Class::Axis(shape) => {
                 self.draw(&site, fields, shapes::axis_shape(shape, fields)?, material)?;
             }
@@ -277,7 +290,8 @@ impl<'a> Builder<'a> {
             | Class::Directional
             | Class::TowardsPoint
             | Class::Orthogonal
-            | Class::UnknownTurn => {}
+            | Class::TowardsNode
+            | Class::Alias(_) => {}
         }
         let for_children = Inherited { frame: frames.post, state, material, interior };
         // Which turtle state a body starts with is unverified.
@@ -387,7 +401,29 @@ impl<'a> Builder<'a> {
     }
 
     fn mesh(&mut self, site: &Site, fields: &Fields<'_>, material: MaterialId) -> Result<(), ReadError> {
-        match self.meshes.geometry(fields, &mut self.out.scene)? {
+        let geometry = self.meshes.geometry(fields, &mut self.out.scene)?;
+        self.draw_or_skip(site, fields, geometry, material)
+    }
+
+    fn surface(
+        &mut self,
+        site: &Site,
+        class: SurfaceClass,
+        fields: &Fields<'_>,
+        material: MaterialId,
+    ) -> Result<(), ReadError> {
+        let geometry = self.surfaces.geometry(class, fields, &mut self.out)?;
+        self.draw_or_skip(site, fields, geometry, material)
+    }
+
+    fn draw_or_skip(
+        &mut self,
+        site: &Site,
+        fields: &Fields<'_>,
+        geometry: Result<Geometry, String>,
+        material: MaterialId,
+    ) -> Result<(), ReadError> {
+        match geometry {
             Ok(geometry) => self.draw(site, fields, Some(geometry), material),
             Err(reason) => {
                 self.record(site);
@@ -411,7 +447,11 @@ impl<'a> Builder<'a> {
         let mut emission = None;
         if site.class == Class::Axis(AxisShape::Parallelogram) {
             let color = self.shaders.mean(material);
-            match lights::area_light(fields, color)? {
+            let light = match fields.get("light") {
+                Field::Module(StaticValue::Light(light)) => Some(module_lights::area_light(light, color)),
+                _ => lights::area_light(fields, color)?,
+            };
+            match light {
                 Some(Ok(light)) => emission = Some(light),
                 Some(Err(reason)) => self.out.report.skip(type_name, reason),
                 None => {}
@@ -456,7 +496,12 @@ impl<'a> Builder<'a> {
 
     /// A light shines also when its layer is hidden (unverified).
     fn light(&mut self, site: &Site, fields: &Fields<'_>) -> Result<(), ReadError> {
-        match lights::light(fields)? {
+        let light = match fields.get("light") {
+            Field::Module(StaticValue::Light(light)) => module_lights::light(light),
+            Field::Module(StaticValue::Null) => LightValue::None,
+            _ => lights::light(fields)?,
+        };
+        match light {
             LightValue::None => {}
             LightValue::Skipped(class, reason) => self.out.report.skip(&class, reason),
             LightValue::Light { .. } if !shapes::is_invertible(&site.frames.own) => {

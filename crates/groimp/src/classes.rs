@@ -1,5 +1,6 @@
 //! Which of GroIMP's classes a node type is.
 
+use crate::surfaces::SurfaceClass;
 use crate::turtle_state::StateCommand;
 
 /// What a node does to its frame, to the turtle and to the picture.
@@ -17,6 +18,8 @@ pub(crate) enum Class {
     Sky,
     /// MeshNode.
     Mesh,
+    /// A shape that becomes triangles.
+    Surface(SurfaceClass),
     Axis(AxisShape),
     /// Turtle command that draws a cylinder.
     Shoot(Amount),
@@ -46,8 +49,10 @@ pub(crate) enum Class {
     GridCloner,
     /// Known and placed like Null, but not drawn.
     Skipped(Skip),
-    /// Turns or moves the turtle in a way that is not known here.
-    UnknownTurn,
+    /// RN.
+    TowardsNode,
+    /// Left, Right, Up, Down.
+    Alias(Axis),
 }
 
 /// Shapes with a length along z, at whose end their children start.
@@ -87,15 +92,15 @@ pub(crate) enum Amount {
 pub(crate) enum Skip {
     /// Drawn in the editor only.
     NotVisible,
-    /// Visible, but not read yet. The flag tells whether its layer is 1 by default.
-    NotYet { layer_one: bool },
+    /// Visible, but not read yet.
+    NotYet,
 }
 
 impl Skip {
     pub fn reason(self) -> &'static str {
         match self {
             Skip::NotVisible => "not visible in a picture",
-            Skip::NotYet { .. } => "not supported yet",
+            Skip::NotYet => "not supported yet",
         }
     }
 }
@@ -104,7 +109,8 @@ impl Class {
     /// Layer of a node that names none.
     pub fn default_layer(self) -> f64 {
         match self {
-            Class::Mesh | Class::Skipped(Skip::NotYet { layer_one: true }) => 1.0,
+            Class::Mesh => 1.0,
+            Class::Surface(surface) if surface.is_sheet() => 1.0,
             _ => 0.0,
         }
     }
@@ -119,6 +125,7 @@ impl Class {
                 | Class::LightNode
                 | Class::Sky
                 | Class::Mesh
+                | Class::Surface(_)
                 | Class::Axis(_)
                 | Class::Instance
                 | Class::Skipped(_)
@@ -163,8 +170,14 @@ fn object(name: &str) -> Option<Class> {
         "Instance3D" => Class::Instance,
         "GridClonerNode" => Class::GridCloner,
         "MeshNode" => Class::Mesh,
-        "NURBSSurface" | "Patch" | "Polygon" => Class::Skipped(Skip::NotYet { layer_one: true }),
-        "SphereSegmentSolid" | "Supershape" | "Lamella" => Class::Skipped(Skip::NotYet { layer_one: false }),
+        "NURBSSurface" => Class::Surface(SurfaceClass::Nurbs),
+        "Patch" => Class::Surface(SurfaceClass::Patch),
+        "Polygon" => Class::Surface(SurfaceClass::Polygon),
+        "SphereSegmentSolid" => Class::Surface(SurfaceClass::SphereSegment),
+        "Supershape" => Class::Surface(SurfaceClass::Supershape),
+        "Lamella" => Class::Surface(SurfaceClass::Lamella),
+        // The solids of newer versions: their fields are not known.
+        "Prism" | "PrismRectangular" | "FrustumIrregular" => Class::Skipped(Skip::NotYet),
         _ => return None,
     })
 }
@@ -196,8 +209,15 @@ fn turtle(name: &str) -> Option<Class> {
         "RD" => Class::Directional,
         "RP" => Class::TowardsPoint,
         "RO" => Class::Orthogonal,
-        // The axes of these aliases are unverified; RN points to a node.
-        "RN" | "Left" | "Right" | "Up" | "Down" => Class::UnknownTurn,
+        "RN" => Class::TowardsNode,
+        // The axes of these are unverified. Taken by their names: they turn the head towards the turtle's left (x)
+        // or up (y) and away from it. Turning left is a rotation about the up axis, as Plus, and RU(90) takes the
+        // head from z to +x, the left; so Left(a) is RU(a) and Right(a) is RU(-a). Pitching is a rotation about
+        // the left axis, and RL(90) takes the head from z to -y, down; so Down(a) is RL(a) and Up(a) is RL(-a)
+        // (`+ - & ^` of Prusinkiewicz and Lindenmayer, "The Algorithmic Beauty of Plants", 1.5). Files store the
+        // final sign, so the constructors of Right and Up have negated the angle already, as that of Minus.
+        "Left" | "Right" => Class::Alias(Axis::Y),
+        "Up" | "Down" => Class::Alias(Axis::X),
         "OR" => Class::Plain,
         _ => return StateCommand::named(name).map(Class::State),
     })

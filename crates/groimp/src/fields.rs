@@ -1,11 +1,12 @@
 //! Fields of a scene node: what the file stores, else what its module assigns, else the class default.
 
 use crate::ReadError;
+use crate::components;
 use crate::graph::{Graph, NodeIndex};
 use crate::modules::StaticValue;
 use crate::values::{Kind, Value, parse_number, parse_numbers};
 use crate::view::affine;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
 
 /// What missing fields of a module mean.
@@ -80,19 +81,7 @@ impl<'a> Fields<'a> {
     pub fn transform(&self) -> Result<(DAffine3, Option<&'a str>), ReadError> {
         let value = match self.get("transform") {
             Field::File(value) => value,
-            Field::Module(StaticValue::Vector(vector)) => {
-                let scale = DAffine3::from_scale(DVec3::splat(self.number("scale", 1.0)?));
-                return Ok((DAffine3::from_translation(DVec3::from_array(*vector)) * scale, None));
-            }
-            Field::Module(_) => return Ok((DAffine3::IDENTITY, None)),
-            Field::Missing => {
-                // Null's alias `scale` in a module; a field of that name is never stored.
-                let scale = match self.defaults.get("scale") {
-                    Some(StaticValue::Number(scale)) => *scale,
-                    _ => 1.0,
-                };
-                return Ok((DAffine3::from_scale(DVec3::splat(scale)), None));
-            }
+            Field::Module(_) | Field::Missing => return Ok((self.module_transform(), None)),
         };
         if value.kind == Kind::Null {
             return Ok((DAffine3::IDENTITY, None));
@@ -115,8 +104,25 @@ impl<'a> Fields<'a> {
                 }
                 None => Ok((DAffine3::IDENTITY, None)),
             },
-            _ => Ok((DAffine3::IDENTITY, Some(class))),
+            _ => match components::transform(self.graph, class, value)? {
+                Some(transform) => Ok((transform, None)),
+                None => Ok((DAffine3::IDENTITY, Some(class))),
+            },
         }
+    }
+
+    /// What a module sets through Null's aliases `x`, `y`, `z`, `scale` and `setRotation`; fields of these names are
+    /// never stored.
+    fn module_transform(&self) -> DAffine3 {
+        let vector = |name: &str| match self.defaults.get(name) {
+            Some(StaticValue::Vector(vector)) => Some(DVec3::from_array(*vector)),
+            Some(StaticValue::Number(number)) => Some(DVec3::splat(*number)),
+            _ => None,
+        };
+        let rotation = vector("setRotation").map_or(DMat3::IDENTITY, components::rotation);
+        DAffine3::from_translation(vector("transform").unwrap_or(DVec3::ZERO))
+            * DAffine3::from_mat3(rotation)
+            * DAffine3::from_scale(vector("scale").unwrap_or(DVec3::ONE))
     }
 
     fn owner(&self) -> &'a str {

@@ -89,7 +89,8 @@ impl Builder<'_> {
         let (columns, rows) = (cells("xCount")?, cells("yCount")?);
         let step = (fields.number("xDistance", 10.0)?, fields.number("yDistance", 10.0)?);
         // Not a number compares as false, too.
-        if !(columns * rows <= MOST_CELLS) || !(step.0.is_finite() && step.1.is_finite()) {
+        let few = columns * rows <= MOST_CELLS;
+        if !(few && step.0.is_finite() && step.1.is_finite()) {
             let reason = format!("its grid has more than {MOST_CELLS} cells or no size");
             self.out.report.skip(self.graph.type_name(fields.node), reason);
             return Ok(());

@@ -11,6 +11,7 @@ mod build;
 mod channel_maps;
 mod channels;
 mod classes;
+mod components;
 mod error;
 mod fields;
 mod graph;
@@ -20,12 +21,16 @@ mod inline;
 mod java_stream;
 mod lights;
 mod meshes;
+mod module_lights;
 pub mod modules;
+mod options;
 mod output;
 mod registry;
 mod report;
 mod shaders;
 mod shapes;
+mod surfaces;
+mod targets;
 mod transform;
 mod turtle_state;
 mod types;
@@ -37,6 +42,7 @@ pub use archive::Limits;
 #[doc(hidden)]
 pub use build::DrawnFrames;
 pub use error::ReadError;
+pub use options::{Flatness, ReadOptions};
 pub use report::{Location, Report, Skipped, Warning};
 
 use archive::Archive;
@@ -48,6 +54,7 @@ use output::Output;
 use registry::Registry;
 use shaders::Shaders;
 use std::path::Path;
+use surfaces::Surfaces;
 use types::Types;
 use view::View;
 
@@ -71,19 +78,24 @@ pub fn read(path: &Path) -> Result<Project, ReadError> {
 
 /// As [`read`], within the given limits.
 pub fn read_within(path: &Path, limits: Limits) -> Result<Project, ReadError> {
-    let (project, _) = read_all(path, limits)?;
+    read_with(path, &ReadOptions { limits, ..ReadOptions::default() })
+}
+
+/// As [`read`], as the caller chooses.
+pub fn read_with(path: &Path, options: &ReadOptions) -> Result<Project, ReadError> {
+    let (project, _) = read_all(path, options)?;
     Ok(project)
 }
 
 /// The frames of all nodes with a shape of the project's tree, hidden ones too, to compare with known figures.
 #[doc(hidden)]
 pub fn drawn_frames(path: &Path) -> Result<Vec<DrawnFrames>, ReadError> {
-    let (_, frames) = read_all(path, Limits::default())?;
+    let (_, frames) = read_all(path, &ReadOptions::default())?;
     Ok(frames)
 }
 
-fn read_all(path: &Path, limits: Limits) -> Result<(Project, Vec<DrawnFrames>), ReadError> {
-    let mut archive = Archive::open(path, limits)?;
+fn read_all(path: &Path, options: &ReadOptions) -> Result<(Project, Vec<DrawnFrames>), ReadError> {
+    let mut archive = Archive::open(path, options.limits)?;
     let mut report = Report::default();
     let registry = match archive.registry.clone() {
         Some(file) => Registry::parse(&file, &archive.require(&file)?)?,
@@ -93,8 +105,11 @@ fn read_all(path: &Path, limits: Limits) -> Result<(Project, Vec<DrawnFrames>), 
     let sources = read_sources(&mut archive, &registry, &mut report)?;
     let view = read_view(&archive, &registry, &mut report);
     let types = Types::new(&graph, &sources);
-    let shaders = Shaders::new(&graph, &registry, Images::new(archive));
-    let mut builder = Builder::new(&graph, &view, &types, &sources, shaders, Output::with_report(report));
+    let images = Images::new(archive, registry.files.clone(), options.srgb_textures);
+    let shaders = Shaders::new(&graph, &registry, images.clone());
+    let surfaces = Surfaces::new(options, images);
+    let out = Output::with_report(report);
+    let mut builder = Builder::new(&graph, &view, &types, &sources, shaders, surfaces, out);
     builder.build()?;
     let Builder { out: Output { scene, report, .. }, frames, .. } = builder;
     Ok((Project { scene, report }, frames))

@@ -32,11 +32,7 @@ impl Meshes {
         fields: &Fields<'_>,
         scene: &mut Scene,
     ) -> Result<Result<Geometry, String>, ReadError> {
-        let visible_sides = match fields.number("visibleSides", 2.0)? as i64 {
-            0 => VisibleSides::Front,
-            1 => VisibleSides::Back,
-            _ => VisibleSides::Both,
-        };
+        let visible_sides = visible_sides(fields)?;
         let payload = match fields.get("polygons") {
             Field::File(value) if value.kind == Kind::Serialized => value.text(),
             Field::File(value) if value.kind == Kind::Null => {
@@ -62,6 +58,15 @@ impl Meshes {
             own_from_object: DAffine3::IDENTITY,
         }))
     }
+}
+
+/// The field `visibleSides` of meshes and surfaces.
+pub(crate) fn visible_sides(fields: &Fields<'_>) -> Result<VisibleSides, ReadError> {
+    Ok(match fields.number("visibleSides", 2.0)? as i64 {
+        0 => VisibleSides::Front,
+        1 => VisibleSides::Back,
+        _ => VisibleSides::Both,
+    })
 }
 
 fn decode(payload: &str) -> Result<Mesh, String> {

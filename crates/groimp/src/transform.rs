@@ -48,9 +48,14 @@ pub(crate) fn frames(
     let angle = |name: &str| Ok::<f64, ReadError>(fields.number(name, 0.0)?.to_radians());
     match class {
         Class::Plain | Class::RggRoot | Class::State(_) => after(parent),
-        Class::UnknownTurn => {
-            let oddity = "its rotation is not known and left out".to_owned();
-            Ok((Frames { own: parent, post: parent }, Some(oddity)))
+        // Placed by `Builder::towards_node`, which knows where other nodes are.
+        Class::TowardsNode => after(parent),
+        Class::Alias(axis) => {
+            let (frames, _) = self::frames(Class::Rotation(axis), fields, parent, state)?;
+            let name = if axis == Axis::X { "RL" } else { "RU" };
+            let oddity =
+                format!("the axis of its rotation is not certain; it is taken as {name} with its angle");
+            Ok((frames, Some(oddity)))
         }
         Class::Null
         | Class::Sphere
@@ -58,6 +63,7 @@ pub(crate) fn frames(
         | Class::LightNode
         | Class::Sky
         | Class::Mesh
+        | Class::Surface(_)
         | Class::Axis(_)
         | Class::Line
         | Class::Instance
@@ -106,8 +112,7 @@ pub(crate) fn frames(
         }
         Class::TowardsPoint => {
             let target = fields.vector("target", DVec3::ZERO)?;
-            let direction = (target - parent.translation).normalize_or_zero();
-            after(turned(parent, towards(head(&parent), direction, fields.number("strength", 0.01)?)))
+            after(turned_towards(parent, target, fields.number("strength", 0.01)?))
         }
         Class::Orthogonal => {
             let direction = fields.vector("direction", DVec3::ZERO)?;
@@ -116,6 +121,12 @@ pub(crate) fn frames(
             after(turned(parent, about(head.cross(direction), angle)))
         }
     }
+}
+
+/// The frame with its head turned towards a point in world space.
+pub(crate) fn turned_towards(frame: DAffine3, point: DVec3, strength: f64) -> DAffine3 {
+    let direction = (point - frame.translation).normalize_or_zero();
+    turned(frame, towards(head(&frame), direction, strength))
 }
 
 /// Frames of nodes with the field `transform`.

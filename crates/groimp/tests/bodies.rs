@@ -95,3 +95,47 @@ fn bodies_without_end_are_cut() {
         assert!(project.scene.objects.len() <= 64, "{test}");
     }
 }
+
+#[test]
+fn bodies_make_lights_from_arrays_of_the_file() {
+    let source =
+        "module Lamp(double power) extends LightNode().(setLight(new DirectionalLight().(setPowerDensity(
+            power), getColor().set(new RGBColor(1, 1, 0)))));
+        const int n = 3;
+        module X { float[] power = new float[n]; }
+        ==> [for (int j = 0; j <= n - 1; j++) ([M(j) Lamp(power[j])])]
+            Parallelogram(1, 1).(setLight(new AreaLight().(setPower(6), setExponent(0))), setShader(WHITE));";
+    let powers = "<array gx:name=\"power\" gx:value=\"2.0 4.0 8.0\"/>";
+    let project = read("body_lights", source, &node(1, "m$X", powers));
+    assert!(project.report.is_empty(), "{}", project.report);
+    let lights: Vec<_> = project
+        .scene
+        .lights
+        .iter()
+        .map(|light| match light.kind {
+            scene::LightKind::Directional { irradiance } => {
+                (light.world_from_light.translation.z, irradiance)
+            }
+            ref other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(lights, [(0.0, [1.0, 1.0, 0.0]), (1.0, [2.0, 2.0, 0.0]), (2.0, [4.0, 4.0, 0.0])]);
+    let lamp = project.scene.objects[0].emission.unwrap();
+    assert_eq!((lamp.power, lamp.exponent), ([2.0; 3], 0.0));
+}
+
+#[test]
+fn bodies_place_with_rotations_and_scales() {
+    let source =
+        "module X ==> Null().(setTranslation(1, 2, 3), setRotation(0, Math.PI / 2, 0), setScale(1, 2, 4))
+        Sphere(1), Sphere(2);";
+    let project = read("body_rotation", source, &node(1, "m$X", ""));
+    let [turned, plain] = &project.scene.objects[..] else { panic!("{}", project.report) };
+    let frame = turned.world_from_object;
+    assert_eq!(frame.translation, DVec3::new(1.0, 2.0, 3.0));
+    for (axis, expected) in [(DVec3::X, DVec3::NEG_Z), (DVec3::Y, 2.0 * DVec3::Y), (DVec3::Z, 4.0 * DVec3::X)]
+    {
+        assert!((frame.transform_vector3(axis) - expected).length() < 1e-12, "{frame}");
+    }
+    assert_eq!(plain.world_from_object, scene::DAffine3::IDENTITY);
+}

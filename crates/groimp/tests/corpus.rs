@@ -59,9 +59,10 @@ const EXPECTED: &[Expected] = &[
         project: "Mangrove",
         objects: &[("Model$RefTile", 1)],
         images: 0,
-        lights: 0,
+        // light$DirectLight makes 24, one for each element of its stored arrays; light$DiffuseLight 6 x 12.
+        lights: 96,
         skipped: &[],
-        bodies: 2,
+        bodies: 0,
     },
     Expected {
         project: "SensorGridDemo",

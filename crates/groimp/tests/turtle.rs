@@ -172,3 +172,142 @@ fn flat_and_empty_shapes_are_counted() {
     let skipped: Vec<_> = project.report.skipped.iter().map(|s| (s.count, s.reason.as_str())).collect();
     assert_eq!(skipped, [(2, "it has no extent"), (1, "its transformation is flat or not a number")]);
 }
+
+/// Where a chain of turtle commands ends, and what was reported.
+fn end(test: &str, nodes: &[(&str, String)]) -> (DAffine3, String) {
+    let full: Vec<_> = nodes
+        .iter()
+        .map(|(name, fields)| (format!("de.grogra.turtle.{name}"), fields.clone()))
+        .chain([(SPHERE.to_owned(), String::new())])
+        .collect();
+    let nodes: Vec<_> = full.iter().map(|(name, fields)| (name.as_str(), fields.as_str())).collect();
+    let project = groimp::read(&file(test, "graph.xml", graph(&chain(&nodes)).as_bytes())).unwrap();
+    (project.scene.objects.last().unwrap().world_from_object, project.report.to_string())
+}
+
+#[test]
+fn the_aliases_turn_towards_what_they_are_called() {
+    let a90 = |angle: f64| data("angle", angle);
+    for (name, angle, head) in [
+        ("Plus", 90.0, [1.0, 0.0, 0.0]),
+        ("Minus", -90.0, [-1.0, 0.0, 0.0]),
+        ("Left", 90.0, [1.0, 0.0, 0.0]),
+        // Stored with their final signs.
+        ("Right", -90.0, [-1.0, 0.0, 0.0]),
+        ("Up", -90.0, [0.0, 1.0, 0.0]),
+        ("Down", 90.0, [0.0, -1.0, 0.0]),
+    ] {
+        let (frame, report) = end(&format!("alias_{name}"), &[(name, a90(angle))]);
+        near(frame.matrix3.z_axis, head);
+        assert_eq!(report.contains("not certain"), !matches!(name, "Plus" | "Minus"), "{report}");
+    }
+}
+
+#[test]
+fn lengths_come_from_fields_and_from_the_state() {
+    let argument = |value: f64| data("argument", value);
+    for (test, nodes, z) in [
+        ("f_after_l", vec![("L", argument(3.0)), ("F", String::new())], 1.0),
+        ("f0", vec![("L", argument(3.0)), ("F0", String::new())], 3.0),
+        ("fadd", vec![("L", argument(3.0)), ("FAdd", argument(0.5))], 3.5),
+        ("fmul", vec![("L", argument(3.0)), ("FMul", argument(0.5))], 1.5),
+        ("fmul_none", vec![("L", argument(3.0)), ("FMul", String::new())], 3.0),
+        ("m0", vec![("L", argument(3.0)), ("M0", String::new())], 3.0),
+        ("madd", vec![("L", argument(3.0)), ("MAdd", argument(-1.0))], 2.0),
+        ("mmul", vec![("L", argument(3.0)), ("MMul", argument(2.0))], 6.0),
+        ("m_negative", vec![("M", data("length", -10.0))], -10.0),
+        // Back to a quarter of the last shoot.
+        ("mrel", vec![("F", data("length", 8.0)), ("MRel", data("x", 0.25))], 2.0),
+        ("after_f", vec![("F", data("length", 8.0)), ("F0", String::new())], 16.0),
+        ("lmul", vec![("L", argument(3.0)), ("LMul", argument(2.0)), ("F0", String::new())], 6.0),
+        ("llocal", vec![("L", argument(3.0)), ("LlAdd", argument(2.0)), ("F0", String::new())], 5.0),
+        ("l0", vec![("L", argument(3.0)), ("L0", String::new()), ("F0", String::new())], 100.0),
+    ] {
+        near(end(test, &nodes).0.translation, [0.0, 0.0, z]);
+    }
+}
+
+#[test]
+fn tropisms_use_and_reset_the_state() {
+    let argument = |value: f64| data("argument", value);
+    let lying = || ("RL", data("angle", -90.0));
+    let head = |test: &str, nodes: Vec<(&str, String)>| end(test, &nodes).0.matrix3.z_axis;
+    // RL(-90) turns the head to +y; gravity bends it to y - g z.
+    let bent = |g: f64| DVec3::new(0.0, 1.0, -g).normalize().to_array();
+    near(head("rv", vec![lying(), ("RV", argument(-0.5))]), bent(-0.5));
+    near(head("rv0", vec![("V", argument(0.3)), lying(), ("RV0", String::new())]), bent(0.3));
+    near(head("rvadd", vec![("V", argument(0.3)), lying(), ("RVAdd", argument(0.2))]), bent(0.5));
+    near(head("rvmul", vec![("V", argument(0.3)), lying(), ("RVMul", argument(2.0))]), bent(0.6));
+    // The local value holds once.
+    let nodes = vec![("Vl", argument(9.0)), ("RVMul", argument(0.0)), lying(), ("RV0", String::new())];
+    near(head("rv0_twice", nodes), [0.0, 1.0, 0.0]);
+    let direction = "<object gx:name=\"direction\" gx:value=\"0 0 2\"/>".to_owned() + &data("strength", 0.25);
+    near(head("rd", vec![lying(), ("RD", direction.clone())]), [0.0, 0.5f64.cos(), 0.5f64.sin()]);
+    // y . (0, 0, 2) is 0: orthogonal already.
+    near(head("ro", vec![lying(), ("RO", direction)]), [0.0, 1.0, 0.0]);
+    let target = "<object gx:name=\"target\" gx:value=\"0 0 5\"/>".to_owned() + &data("strength", 1.0);
+    near(head("rp", vec![lying(), ("RP", target)]), [0.0, 1f64.cos(), 1f64.sin()]);
+}
+
+#[test]
+fn rn_turns_to_nodes_that_are_placed() {
+    let node = |id: i64, name: &str, fields: &str| {
+        format!("<node id=\"{id}\" type=\"{name}\" edges=\"+\">{fields}</node>\n")
+    };
+    let rn = |id: i64, target: i64| {
+        let fields = format!("<ref gx:name=\"target\" gx:value=\"{target}\"/>") + &data("strength", 0.5);
+        node(id, "de.grogra.turtle.RN", &(fields + &node(id + 1, SPHERE, "")))
+    };
+    let mark = "<object gx:name=\"transform\" gx:type=\"de.grogra.math.TVector3d\" gx:value=\"7 0 0\"/>";
+    let nodes = node(1, "de.grogra.imp3d.objects.Null", mark)
+        + &rn(10, 1)
+        + &rn(20, 30)
+        + &rn(40, 99)
+        + &node(30, SPHERE, mark);
+    let project = groimp::read(&file("rn", "graph.xml", graph(&nodes).as_bytes())).unwrap();
+    let head = |i: usize| project.scene.objects[i].world_from_object.matrix3.z_axis;
+    near(head(0), [0.5f64.sin(), 0.0, 0.5f64.cos()]);
+    near(head(1), [0.0, 0.0, 1.0]);
+    near(head(2), [0.0, 0.0, 1.0]);
+    let report = project.report.to_string();
+    assert!(report.contains("is placed later") && report.contains("is not in the file"), "{report}");
+}
+
+#[test]
+fn transformations_whose_fields_speak_for_themselves() {
+    let read = |test: &str, members: &str| {
+        let transform = format!(
+            "<object gx:name=\"transform\" gx:type=\"de.grogra.math.ComponentTransform\" {members}/>"
+        );
+        let nodes = [("de.grogra.imp3d.objects.Null", transform.as_str()), (SPHERE, "")];
+        let project = groimp::read(&file(test, "graph.xml", graph(&chain(&nodes)).as_bytes())).unwrap();
+        (project.scene.objects[0].world_from_object, project.report.to_string())
+    };
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let members = format!("translation=\"(1 2 3)\" rotation=\"(0 {quarter} 0)\" scale=\"(1 2 4)\"");
+    let (frame, _) = read("components", &members);
+    near(frame.translation, [1.0, 2.0, 3.0]);
+    near(frame.matrix3.x_axis, [0.0, 0.0, -1.0]);
+    near(frame.matrix3.y_axis, [0.0, 2.0, 0.0]);
+    near(frame.matrix3.z_axis, [4.0, 0.0, 0.0]);
+    let (frame, _) = read("axis_angle", &format!("axis=\"(0 0 2)\" angle=\"{quarter}\" scale=\"3\""));
+    near(frame.matrix3.x_axis, [0.0, 3.0, 0.0]);
+    let (frame, report) = read("unknown_component", "translation=\"(1 2 3)\" wobble=\"5\"");
+    assert_eq!(frame, DAffine3::IDENTITY);
+    assert!(
+        report.contains("its transform of class 'de.grogra.math.ComponentTransform' is not known"),
+        "{report}"
+    );
+}
+
+/// Placements that mirror are kept as they are, the normals are the renderer's business; flat ones are counted.
+#[test]
+fn mirrored_placements_stay_and_flat_ones_are_counted() {
+    let mirrored = data("scaleX", -2.0);
+    let scene = read("mirrored", &[("de.grogra.turtle.Scale", &mirrored), (SPHERE, "")]).scene;
+    assert_eq!(scene.objects[0].world_from_object.matrix3.determinant(), -2.0);
+    let flat = data("scaleY", 0.0);
+    let surface = "de.grogra.imp3d.objects.Supershape";
+    let project = read("flat_surface", &[("de.grogra.turtle.Scale", &flat), (surface, "")]);
+    assert_eq!(project.report.skipped[0].reason, "its transformation is flat or not a number");
+}

@@ -86,7 +86,7 @@ const GREEN: Rgb = [0.25, 1.0, 0.25];
 
 fn picture(scene: &mut Scene) -> scene::ImageId {
     let pixels = vec![[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 0, 255]];
-    scene.add_image(Image { name: "four".into(), width: 2, height: 2, pixels: pixels.into() })
+    scene.add_image(Image { name: "four".into(), width: 2, height: 2, pixels: pixels.into(), srgb: false })
 }
 
 /// The upper row of the picture is at v = 1.

@@ -119,8 +119,13 @@ fn the_shadow_of_a_cut_out_leaf_is_the_shadow_of_its_outline() {
     let pixels: Vec<[u8; 4]> = (0..16u32)
         .map(|i| [0, 0, 0, if (1..3).contains(&(i % 4)) && (1..3).contains(&(i / 4)) { 0 } else { 255 }])
         .collect();
-    let image =
-        cut.scene.add_image(Image { name: "hole".into(), width: 4, height: 4, pixels: pixels.into() });
+    let image = cut.scene.add_image(Image {
+        name: "hole".into(),
+        width: 4,
+        height: 4,
+        pixels: pixels.into(),
+        srgb: false,
+    });
     let frame = cut.phong(|s| Phong {
         diffuse: Some(s.add_channel(scene::Channel::ImageMap {
             image,

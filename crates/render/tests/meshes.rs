@@ -65,7 +65,7 @@ fn square() -> Mesh {
 fn checkered(b: &mut Builder) -> MaterialId {
     let pixels = (0..64u32).map(|i| [(i * 37 % 256) as u8, (i * 91 % 256) as u8, 90, 255]);
     let pixels = pixels.collect::<Vec<_>>().into();
-    let image = b.scene.add_image(Image { name: "checks".into(), width: 8, height: 8, pixels });
+    let image = b.scene.add_image(Image { name: "checks".into(), width: 8, height: 8, pixels, srgb: false });
     b.phong(|s| Phong {
         diffuse: Some(s.add_channel(Channel::ImageMap { image, bilinear: false, coordinates: vec![] })),
         ..Phong::default()

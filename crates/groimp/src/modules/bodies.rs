@@ -73,11 +73,13 @@ impl Sources {
                 Stored::Value(StaticValue::Null) => Value::Null,
                 Stored::Value(StaticValue::Vector(value)) => Value::Vector(value),
                 Stored::Value(StaticValue::Shader(value)) => Value::Shader(value),
+                Stored::Value(StaticValue::Light(value)) => Value::Light(value),
+                Stored::Value(StaticValue::Numbers(values)) => numbers(value, &values),
                 Stored::Other => Value::Unknown,
             };
         }
         let file = &self.files[level.file];
-        let frames = vec![Frame::Sequence(body)];
+        let frames = vec![Frame::Sequence(body, None)];
         let nodes = Vec::new();
         let mut reader =
             Reader { sources: self, file, level, own, frames, nodes, parent: None, most_nodes, meter };
@@ -86,9 +88,19 @@ impl Sources {
     }
 }
 
+/// An array as the file stores it; `old` is what the constructor makes of the field.
+fn numbers(old: &Value, stored: &[f64]) -> Value {
+    let integer = match old {
+        Value::Array(old) => matches!(old.first(), Some(Value::Number { integer: true, .. })),
+        _ => false,
+    };
+    Value::Array(stored.iter().map(|value| Value::Number { value: *value, integer }).collect())
+}
+
 /// What is still to be done.
 enum Frame {
-    Sequence(Range<usize>),
+    /// What comes next, and the parent that its nodes have after a comma.
+    Sequence(Range<usize>, Option<usize>),
     /// The end of a branch: further nodes hang below this one.
     Parent(Option<usize>),
     Loop(Loop),
@@ -114,13 +126,19 @@ impl<'a> Reader<'a> {
         while let Some(frame) = self.frames.pop() {
             match frame {
                 Frame::Parent(parent) => self.parent = parent,
-                Frame::Sequence(range) if range.is_empty() => {}
-                Frame::Sequence(range) => {
+                Frame::Sequence(range, _) if range.is_empty() => {}
+                Frame::Sequence(range, start) => {
                     self.spend(range.start, 1)?;
                     let frame = self.frames.len();
-                    self.frames.push(Frame::Sequence(0..0));
-                    let next = self.item(range.start, range.end)?;
-                    self.frames[frame] = Frame::Sequence(next..range.end.max(next));
+                    self.frames.push(Frame::Sequence(0..0, None));
+                    let next = if self.file.is(range.start, ",") {
+                        // Another chain from where this one began.
+                        self.parent = start;
+                        range.start + 1
+                    } else {
+                        self.item(range.start, range.end)?
+                    };
+                    self.frames[frame] = Frame::Sequence(next..range.end.max(next), start);
                 }
                 Frame::Loop(mut turn) => {
                     self.spend(turn.body.start, 1)?;
@@ -135,7 +153,7 @@ impl<'a> Reader<'a> {
                     })? {
                         let body = turn.body.clone();
                         self.frames.push(Frame::Loop(turn));
-                        self.frames.push(Frame::Sequence(body));
+                        self.frames.push(Frame::Sequence(body, self.parent));
                     }
                 }
             }
@@ -176,11 +194,11 @@ impl<'a> Reader<'a> {
         let after = if file.is_open(at) { file.after(at) } else { at + 1 };
         if file.is(at, "[") {
             self.frames.push(Frame::Parent(self.parent));
-            self.frames.push(Frame::Sequence(file.inside(at)));
+            self.frames.push(Frame::Sequence(file.inside(at), self.parent));
             return Ok(after);
         }
         if file.is(at, "(") {
-            self.frames.push(Frame::Sequence(file.inside(at)));
+            self.frames.push(Frame::Sequence(file.inside(at), self.parent));
             return Ok(after);
         }
         if file.is(at, "{") {
@@ -228,9 +246,9 @@ impl<'a> Reader<'a> {
         match self.expression(condition)? {
             Value::Bool(true) => {
                 let then_end = if other.is_empty() { other.start } else { other.start - 1 };
-                self.frames.push(Frame::Sequence(start..then_end));
+                self.frames.push(Frame::Sequence(start..then_end, self.parent));
             }
-            Value::Bool(false) => self.frames.push(Frame::Sequence(other)),
+            Value::Bool(false) => self.frames.push(Frame::Sequence(other, self.parent)),
             _ => return self.failure(at, "a condition is no truth value"),
         }
         Ok(stop)

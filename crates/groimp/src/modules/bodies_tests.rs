@@ -18,7 +18,9 @@ fn nodes(text: &str, fields: &[(&str, f64)]) -> Result<Vec<BodyNode>, String> {
 
 /// The nodes as `parent:Class(field=value, ...)` with simple names.
 fn tree(body: &str) -> String {
-    let nodes = nodes(&format!("module X(int n, float f) ==> {body};"), &[("n", 3.0), ("f", 0.5)]);
+    let constants = "const float[] a = {1, 2.5, -4}; static final int[] b = new int[] {7, 8};";
+    let text = format!("module X(int n, float f) ==> {body}; {constants}");
+    let nodes = nodes(&text, &[("n", 3.0), ("f", 0.5)]);
     let text = |node: &BodyNode| {
         let fields = node.fields.iter().map(|(name, value)| match value {
             StaticValue::Number(value) => format!("{name}={value}"),
@@ -72,6 +74,54 @@ fn loops_and_conditions() {
 }
 
 #[test]
+fn commas_begin_again() {
+    for (body, expected) in [
+        ("M(1), M(2)", "-:M(length=1) -:M(length=2)"),
+        ("M(1) M(2), M(3) M(4)", "-:M(length=1) 0:M(length=2) -:M(length=3) 2:M(length=4)"),
+        ("M(1) [M(2), M(3)] M(4)", "-:M(length=1) 0:M(length=2) 0:M(length=3) 0:M(length=4)"),
+        ("M(1) (M(2), M(3)) M(4)", "-:M(length=1) 0:M(length=2) 0:M(length=3) 2:M(length=4)"),
+    ] {
+        assert_eq!(tree(body), expected, "{body}");
+    }
+}
+
+#[test]
+fn arrays_and_choices() {
+    for (body, expected) in [
+        ("M(a[0]) M(a[n - 1])", "-:M(length=1) 0:M(length=-4)"),
+        ("for (int i = 0; i < b.length; i++) [M(b[i])]", "-:M(length=7) -:M(length=8)"),
+        ("for (0:1) for (int i : (0:1)) [M(a[i] * b[i])]", &["-:M(length=7) -:M(length=20)"; 2].join(" ")),
+        ("M(b[1] / 3)", "-:M(length=2)"),
+        ("{ float[] c = new float[4]; int[] d = {n, 2}; } M(c[3] + d[1] / 2)", "-:M(length=1)"),
+        ("M(n > 2 ? f : 7)", "-:M(length=0.5)"),
+        ("M(n < 2 ? 1 : n == 3 ? 2 : 3) M(f)", "-:M(length=2) 0:M(length=0.5)"),
+        ("M(n == 3 ? n < 1 ? 1 : 2 : random(0, 1))", "-:M(length=2)"),
+    ] {
+        assert_eq!(tree(body), expected, "{body}");
+    }
+}
+
+#[test]
+fn lights_and_transformations() {
+    let spot = "LightNode().(setLight(new SpotLight().(setPower(2 * n), innerAngle = f, getColor().set(new \
+                RGBColor(1, 0, 0)))))";
+    let found = nodes(&format!("module X(int n, float f) ==> {spot};"), &[("n", 3.0), ("f", 0.5)]);
+    let found = found.expect("a body");
+    let Some(StaticValue::Light(light)) = found[0].fields.get("light") else { panic!("{found:?}") };
+    assert_eq!(light.class, "de.grogra.imp3d.objects.SpotLight");
+    let expected = [
+        ("color", StaticValue::Vector([1.0, 0.0, 0.0])),
+        ("innerAngle", StaticValue::Number(0.5)),
+        ("power", StaticValue::Number(6.0)),
+    ];
+    assert!(light.properties.iter().map(|(name, value)| (name.as_str(), value.clone())).eq(expected));
+    assert_eq!(
+        tree("Null().(setRotation(1, f, 0), setScale(1, 2, n), setTranslation(4, 5, 6))"),
+        "-:Null(scale=Vector([1.0, 2.0, 3.0]),setRotation=Vector([1.0, 0.5, 0.0]),transform=Vector([4.0, 5.0, 6.0]))"
+    );
+}
+
+#[test]
 fn modules_in_bodies() {
     let text = "module Leaf(float len, super.width) extends Box(len * 2, width, 0.5) {{ setShader(GREEN); }}
         module Tip ==> Sphere(1);
@@ -95,12 +145,17 @@ fn what_needs_a_model_is_told_with_its_place() {
         ("M(grow())", "'grow(...)'"),
         ("Sphere().(grow())", "the call of 'grow' is not evaluated"),
         ("{ setShader(RED); } Sphere", "the call of 'setShader'"),
-        ("LightNode().(setLight(new SpotLight()))", "'new SpotLight(...)' is not evaluated"),
-        ("Sphere().(setRotation(1, 2, 3))", "'setRotation'"),
+        ("LightNode().(setLight(new SpotLight(3)))", "'new SpotLight(...)' is not evaluated"),
+        ("LightNode().(setLight(new SpotLight().(setPower(time))))", "'time' is not a known constant"),
+        ("Sphere().(setRotation(1, 2))", "'setRotation' is not understood"),
+        ("F(1).(setRotation(1, 2, 3))", "'setRotation' is not understood"),
         ("Phong", "no known class of a node"),
         ("while (true) (M(1))", "'while' is not evaluated"),
         ("if (n) M(1)", "no truth value"),
-        ("M(1), M(2)", "this part of the body"),
+        ("M(1) = M(2)", "this part of the body"),
+        ("M(a[3])", "not a whole number below 3"),
+        ("M(a[n])", "not a whole number below 3"),
+        ("M(new float[2][2])", "array"),
         ("for (X x : list()) (M(1))", "range of numbers"),
         ("for (;;) (M(1))", "without a condition"),
         ("for", "'for' is not evaluated"),
@@ -120,6 +175,12 @@ fn hostile_bodies_end() {
         "for (0:2000000000) (for (0:2000000000) ())".to_owned(),
         "for (1:5000) (M(1))".to_owned(),
         format!("{}M({})", "if (true) ".repeat(deep), "(".repeat(deep)),
+        format!("M({}1{})", "{".repeat(deep), "}".repeat(deep)),
+        format!("M({}1{})", "a[".repeat(deep), "]".repeat(deep)),
+        format!("M({}1{})", "true ? ".repeat(deep), ": 1".repeat(deep)),
+        format!("M(a{})", ".length".repeat(deep)),
+        "M(new float[2000000000][0])".to_owned(),
+        "for (1:1000000) (M((new float[99999])[0]))".to_owned(),
     ] {
         let found = tree(&body);
         assert!(["too many", "too involved", "not"].iter().any(|part| found.contains(part)), "{found}");

@@ -151,7 +151,7 @@ fn is_state_command(name: &str) -> bool {
 
 /// The constructors: what the arguments set. Of several with the same name the first with enough
 /// parameters counts, so that `Scale(s)` differs from `Scale(x, y, z)`.
-const CONSTRUCTORS: [(&str, &[Target]); 58] = [
+const CONSTRUCTORS: [(&str, &[Target]); 60] = [
     ("Sphere", &[Field("radius")]),
     ("Box", &[Field("length"), Field("width"), Field("height")]),
     ("Cylinder", &[Field("length"), Field("radius")]),
@@ -177,6 +177,9 @@ const CONSTRUCTORS: [(&str, &[Target]); 58] = [
     ("ShadedNull", &[Component("transform", 0), Component("transform", 1), Component("transform", 2)]),
     ("Point", &[Component("transform", 0), Component("transform", 1), Component("transform", 2)]),
     ("Line", &[Component("axis", 0), Component("axis", 1), Component("axis", 2)]),
+    // The order of the arguments of these two is unverified: that of the fields.
+    ("SphereSegmentSolid", &[Field("radius"), Field("theta1"), Field("theta2"), Field("phi")]),
+    ("Lamella", &[Field("width"), Field("height"), Field("a"), Field("b")]),
     ("TextLabel", &[Nothing]),
     ("LightNode", &[Field("light")]),
     ("MeshNode", &[Field("polygons")]),
@@ -199,8 +202,9 @@ const CONSTRUCTORS: [(&str, &[Target]); 58] = [
     ("Plus", &[Field("angle")]),
     ("Minus", &[Negated("angle")]),
     ("Left", &[Field("angle")]),
-    ("Right", &[Field("angle")]),
-    ("Up", &[Field("angle")]),
+    // Unverified, see the reader's table of classes.
+    ("Right", &[Negated("angle")]),
+    ("Up", &[Negated("angle")]),
     ("Down", &[Field("angle")]),
     ("Translate", &[Field("translateX"), Field("translateY"), Field("translateZ")]),
     ("Scale", &[AllScales]),

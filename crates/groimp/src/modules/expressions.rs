@@ -7,10 +7,7 @@
 use super::builtins;
 use super::declarations::{Constant, File};
 use super::lexer::Kind;
-use super::values::{
-    Evaluated, Failure, Value, arithmetic, call, compare, create, logic, property_of_setter, set_property,
-    unknown,
-};
+use super::values::{Evaluated, Failure, Value, arithmetic, call, compare, create, logic, unknown};
 use super::{Sources, StaticChannel, StaticShader};
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -116,6 +113,11 @@ impl<'a> Scope<'a> {
             }
             _ => {}
         }
+        if let Some(array) = path.strip_suffix(".length")
+            && let Value::Array(array) = self.deeper(|| self.name(array))?
+        {
+            return Ok(Value::Number { value: array.len() as f64, integer: true });
+        }
         // A constant that is not imported is an error in GroIMP, but may be a matter of versions.
         if let Some((file, constant)) = self.sources.constant(self.file, self.owner, path, true) {
             return self.constant(file, constant, path);
@@ -127,18 +129,19 @@ impl<'a> Scope<'a> {
         let variables = HashMap::new();
         let scope = Scope { file, owner: &constant.owner, variables: &variables, ..self };
         let value = scope.deeper(|| scope.evaluate(constant.value.clone()))?.converted(&constant.kind);
+        // The elements of a constant array are taken for constant, too.
         if !constant.fixed && !matches!(value, Value::Shader(_) | Value::Channel(_)) {
             return unknown(format!("the variable '{name}' may change while the model runs"));
         }
         Ok(value)
     }
 
-    fn spend(self, steps: usize) -> Result<(), Failure> {
+    pub(super) fn spend(self, steps: usize) -> Result<(), Failure> {
         if self.meter.spend(steps) { Ok(()) } else { unknown("the declarations are too involved") }
     }
 
     /// Limits the recursion.
-    fn deeper<T>(self, inner: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    pub(super) fn deeper<T>(self, inner: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
         let depth = &self.meter.depth;
         if depth.get() >= DEEPEST {
             return unknown("the expression is nested too deeply or refers to itself");
@@ -150,15 +153,15 @@ impl<'a> Scope<'a> {
     }
 }
 
-struct Parser<'a> {
-    scope: Scope<'a>,
-    file: &'a File,
-    at: usize,
+pub(super) struct Parser<'a> {
+    pub scope: Scope<'a>,
+    pub file: &'a File,
+    pub at: usize,
     end: usize,
 }
 
 impl Parser<'_> {
-    fn is(&self, symbol: &str) -> bool {
+    pub(super) fn is(&self, symbol: &str) -> bool {
         self.at < self.end && self.file.is(self.at, symbol)
     }
 
@@ -176,7 +179,33 @@ impl Parser<'_> {
 
     fn expression(&mut self) -> Evaluated {
         let scope = self.scope;
-        scope.deeper(|| self.disjunction())
+        scope.deeper(|| {
+            let condition = self.disjunction()?;
+            if self.is("?") { self.choice(&condition) } else { Ok(condition) }
+        })
+    }
+
+    /// `? a : b` behind a condition; only one of the two is evaluated.
+    fn choice(&mut self, condition: &Value) -> Evaluated {
+        let start = self.at + 1;
+        let mut open = 1;
+        let mut colon = self.at;
+        while open > 0 {
+            colon = self.file.find(colon + 1, self.end, &["?", ":"]);
+            if colon >= self.end {
+                return unknown("a ':' is missing");
+            }
+            open = if self.file.is(colon, "?") { open + 1 } else { open - 1 };
+        }
+        // It reaches as far as the expression does.
+        let rest = colon + 1..self.end;
+        self.at = self.end;
+        self.scope.spend(rest.len())?;
+        match condition {
+            Value::Bool(true) => self.scope.evaluate(start..colon),
+            Value::Bool(false) => self.scope.evaluate(rest),
+            _ => unknown("a condition is no truth value"),
+        }
     }
 
     fn disjunction(&mut self) -> Evaluated {
@@ -246,7 +275,7 @@ impl Parser<'_> {
         }
     }
 
-    /// A primary expression with the with-blocks that follow.
+    /// A primary expression with the with-blocks and indices that follow.
     fn operand(&mut self) -> Evaluated {
         self.scope.spend(1)?;
         let mut value = self.primary()?;
@@ -254,6 +283,19 @@ impl Parser<'_> {
             let block = self.file.inside(self.at + 1);
             self.at = self.file.after(self.at + 1);
             self.with(&mut value, block)?;
+        }
+        while self.is("[")
+            && let Value::Array(array) = &value
+        {
+            let array = array.clone();
+            value = self.element(&array)?;
+        }
+        if let Value::Array(array) = &value
+            && self.is(".")
+            && self.file.word(self.at + 1) == Some("length")
+        {
+            self.at += 2;
+            return Ok(Value::Number { value: array.len() as f64, integer: true });
         }
         Ok(value)
     }
@@ -294,6 +336,7 @@ impl Parser<'_> {
                 }
                 Ok(value)
             }
+            Kind::Symbol("{") => self.array_literal(),
             Kind::Symbol(symbol) => unknown(format!("'{symbol}' is not evaluated")),
             Kind::Word(word) => {
                 let constant = match word.as_str() {
@@ -312,6 +355,9 @@ impl Parser<'_> {
                 };
                 if !self.file.is(after, "(") || after >= self.end {
                     self.at = after;
+                    if created && self.is("[") {
+                        return self.new_array(&name);
+                    }
                     return if created {
                         unknown(format!("'new {name}' is not evaluated"))
                     } else {
@@ -334,29 +380,5 @@ impl Parser<'_> {
         const PRIMITIVE: [&str; 6] = ["float", "double", "int", "long", "short", "byte"];
         let operand = after < self.end && !matches!(self.file.tokens[after].kind, Kind::Symbol(_));
         PRIMITIVE.contains(&kind) || (operand && kind.starts_with(char::is_alphabetic))
-    }
-
-    /// The statements of `.( ... )`.
-    fn with(&mut self, value: &mut Value, block: Range<usize>) -> Result<(), Failure> {
-        let mut start = block.start;
-        while start < block.end {
-            self.scope.spend(1)?;
-            let end = self.file.find(start, block.end, &[",", ";"]);
-            let name = self.file.word(start).unwrap_or_default();
-            if self.file.is(start + 1, "(")
-                && self.file.after(start + 1) == end
-                && let Some(property) = property_of_setter(name)
-            {
-                let argument = self.scope.evaluate(self.file.inside(start + 1))?;
-                set_property(value, &property, argument)?;
-            } else if self.file.is(start + 1, "=") {
-                let argument = self.scope.evaluate(start + 2..end)?;
-                set_property(value, name, argument)?;
-            } else if start < end {
-                return unknown(format!("'{name}' in a with-block is not evaluated"));
-            }
-            start = end + 1;
-        }
-        Ok(())
     }
 }

@@ -295,9 +295,16 @@ impl<'a> Instance<'a> {
                 }
             }
             // A matrix is a fresh object, which files always contain.
-            ("scale", [_, _, _]) if builtins::has_transform(self.class) => {
-                return self.mode == Mode::Representative;
+            ("scale", [_, _, _])
+                if self.mode == Mode::Representative && builtins::has_transform(self.class) => {}
+            ("rotation" | "scale", [_, _, _])
+                if numbers.len() == 3 && builtins::has_transform(self.class) =>
+            {
+                // Not `rotation`, which modules may have as a field of their own.
+                let name = if property == "rotation" { "setRotation" } else { property };
+                self.fields.insert(name.into(), StaticValue::Vector([numbers[0], numbers[1], numbers[2]]));
             }
+            ("rotation", _) => return false,
             (_, [value]) => self.set_field(property, value.clone()),
             _ => match numbers.as_slice() {
                 [x, y, z] => self.set_field(property, Value::Vector([*x, *y, *z])),

@@ -5,6 +5,7 @@
 //! chain to a built-in class and evaluates what does not need a running model: constructor arguments,
 //! with-blocks and instance initialisers that are made of constants.
 
+mod arrays;
 mod bodies;
 #[cfg(test)]
 mod bodies_tests;
@@ -19,12 +20,13 @@ mod statements;
 #[cfg(test)]
 mod tests;
 mod values;
+mod with_blocks;
 
 use declarations::{Constant, Declaration, File};
 use expressions::Meter;
 use instances::{Instance, Level};
 use statements::Mode;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::rc::Rc;
 
 /// A source file of a project.
@@ -57,8 +59,9 @@ pub struct ResolvedModule {
     /// alphabetical order. Fields that the module itself declares are included if they have a constant
     /// value; the others are 0, false or null.
     ///
-    /// `transform` is given as a translation. `scale` of a class with a `transform` is a uniform scale and
-    /// belongs to the default of `transform`: it has no meaning when the file stores a `transform`.
+    /// `transform` is given as a translation. `scale` of a class with a `transform` is one factor or three, and
+    /// `setRotation` are angles in radians about x, then y, then z. They belong to the default of `transform` and have
+    /// no meaning when the file stores a `transform`.
     pub defaults: Vec<FieldDefault>,
     /// Whether a `==>` instantiation body is declared anywhere in the chain.
     pub has_body: bool,
@@ -88,8 +91,21 @@ pub enum StaticValue {
     Vector([f64; 3]),
     /// A shader.
     Shader(StaticShader),
+    /// A light.
+    Light(StaticLight),
+    /// An array of numbers.
+    Numbers(Vec<f64>),
     /// No object.
     Null,
+}
+
+/// A light that is known without running the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StaticLight {
+    /// Full name of its class.
+    pub class: String,
+    /// The properties that are set (`power`, `color`, ...).
+    pub properties: BTreeMap<String, StaticValue>,
 }
 
 /// A shader that is known without running the model.

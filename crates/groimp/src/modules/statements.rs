@@ -121,9 +121,6 @@ impl<'a> Instance<'a> {
         if property == "name" || (property == "rotation" && self.mode == Mode::Representative) {
             return;
         }
-        if property == "rotation" {
-            return self.note(level, at, "the call of 'setRotation' is not evaluated");
-        }
         // A body has no effect on its own node, which is drawn already.
         if self.mode == Mode::Block {
             return self.note(level, at, &format!("the call of '{method}' is not evaluated"));

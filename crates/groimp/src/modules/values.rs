@@ -1,7 +1,8 @@
 //! The values of expressions, and the constructors and functions that make values.
 
 use super::builtins;
-use super::{StaticChannel, StaticShader, StaticValue};
+use super::{StaticChannel, StaticLight, StaticShader, StaticValue};
+use std::rc::Rc;
 
 /// The value of an expression.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +17,8 @@ pub(super) enum Value {
     Vector([f64; 3]),
     Shader(StaticShader),
     Channel(StaticChannel),
+    Light(StaticLight),
+    Array(Rc<[Value]>),
     /// An image map that got no image yet.
     EmptyMap,
     /// A local variable whose value could not be determined.
@@ -39,6 +42,15 @@ impl Value {
     /// The value as that of a variable of the given type.
     pub fn converted(self, kind: &str) -> Value {
         match (self, kind) {
+            (Value::Array(values), _) if kind.ends_with("[]") => {
+                let kind = kind.strip_suffix("[]").unwrap_or(kind);
+                // Only whole numbers change, to the type of the elements.
+                let converts = |value: &Value| matches!(value, Value::Number { .. } | Value::Array(_));
+                if !values.iter().any(converts) {
+                    return Value::Array(values);
+                }
+                Value::Array(values.iter().map(|value| value.clone().converted(kind)).collect())
+            }
             (Value::Number { value, .. }, "float" | "double") => Value::real(value),
             (Value::Number { value, .. }, "int" | "long" | "short" | "byte") => {
                 Value::Number { value: value.trunc(), integer: true }
@@ -64,6 +76,7 @@ impl Value {
             Value::Null => StaticValue::Null,
             Value::Vector(value) | Value::Channel(StaticChannel::Rgb(value)) => StaticValue::Vector(value),
             Value::Shader(shader) => StaticValue::Shader(shader),
+            Value::Light(light) => StaticValue::Light(light),
             _ => return None,
         })
     }
@@ -83,6 +96,7 @@ impl Value {
         match self {
             Value::Text(text) => 1 + text.len() / 32,
             Value::Shader(shader) => of_shader(shader),
+            Value::Light(light) => 1 + light.properties.len(),
             _ => 1,
         }
     }
@@ -112,6 +126,12 @@ pub(super) fn set_property(object: &mut Value, name: &str, value: Value) -> Resu
         _ => unknown(format!("'{name}' is not a shader")),
     };
     match (object, name) {
+        (Value::Light(light), _) => match value.into_static() {
+            Some(value) => {
+                light.properties.insert(name.to_owned(), value);
+            }
+            None => return unknown(format!("the value of '{name}' is not a number or a colour")),
+        },
         (Value::Shader(StaticShader::Phong { .. }), "interpolatedTransparency") => {}
         (Value::Shader(StaticShader::Phong { channels }), _) => {
             channels.retain(|(field, _)| field != name);
@@ -146,9 +166,17 @@ pub(super) fn set_property(object: &mut Value, name: &str, value: Value) -> Resu
     Ok(())
 }
 
+/// `getName` to `name`.
+pub(super) fn property_of_getter(method: &str) -> Option<String> {
+    property(method.strip_prefix("get")?)
+}
+
 /// `setName` to `name`.
 pub(super) fn property_of_setter(method: &str) -> Option<String> {
-    let rest = method.strip_prefix("set")?;
+    property(method.strip_prefix("set")?)
+}
+
+fn property(rest: &str) -> Option<String> {
     let first = rest.chars().next().filter(|c| c.is_uppercase())?;
     Some(first.to_lowercase().chain(rest.chars().skip(1)).collect())
 }
@@ -241,6 +269,10 @@ pub(super) fn create(name: &str, values: &[Value]) -> Evaluated {
         ("ImageMap", []) => Some(Value::EmptyMap),
         ("ImageMap", [Value::Channel(image @ StaticChannel::Image(_))]) => {
             Some(Value::Channel(image.clone()))
+        }
+        ("PointLight" | "SpotLight" | "DirectionalLight" | "AmbientLight" | "AreaLight", []) => {
+            let class = format!("de.grogra.imp3d.objects.{simple}");
+            Some(Value::Light(StaticLight { class, properties: std::collections::BTreeMap::new() }))
         }
         // The identity leaves everything where it is, as no transformation does.
         ("TMatrix4d", []) => Some(Value::Null),

@@ -1,6 +1,8 @@
 //! Small projects written for a test.
 #![allow(dead_code)] // Not every test file uses everything.
 
+pub mod triangles;
+
 use std::path::{Path, PathBuf};
 
 /// A file in a fresh directory of its own.

@@ -16,8 +16,13 @@ pub fn garden() -> Scene {
             [60, 160, 40, if inside { 255 } else { 0 }]
         })
         .collect::<Vec<_>>();
-    let image =
-        b.scene.add_image(Image { name: "leaf".into(), width: 64, height: 64, pixels: pixels.into() });
+    let image = b.scene.add_image(Image {
+        name: "leaf".into(),
+        width: 64,
+        height: 64,
+        pixels: pixels.into(),
+        srgb: false,
+    });
     let leaf = b.phong(|s| Phong {
         diffuse: Some(s.add_channel(scene::Channel::ImageMap { image, bilinear: true, coordinates: vec![] })),
         diffuse_transparency: grey(s, 0.2),
