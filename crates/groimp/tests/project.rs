@@ -55,7 +55,7 @@ fn node(id: i64, type_name: &str, fields: &str) -> String {
 fn phong<'a>(project: &'a Project, object: &Object) -> &'a Phong {
     match &project.scene.materials[object.material.index()] {
         Material::Phong(phong) => phong,
-        Material::Rgba { .. } => panic!("{object:?} has no Phong"),
+        other => panic!("{object:?} has no Phong but {other:?}"),
     }
 }
 
