@@ -193,7 +193,7 @@ mod tests {
             let world_from_object = DAffine3::IDENTITY;
             scene.objects.push(Object { shape, world_from_object, material, emission, origin });
         }
-        scene.sky = Some(Sky { radiance: [1.0; 3], origin });
+        scene.sky = Some(Sky::uniform([1.0; 3], origin));
         scene
     }
 

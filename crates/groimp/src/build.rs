@@ -3,9 +3,11 @@
 use crate::ReadError;
 use crate::body::Bodies;
 use crate::classes::{Amount, AxisShape, Class, Skip};
+use crate::daylight::{self, DaylightValue};
+use crate::distributions::Distributions;
 use crate::fields::{Field, Fields};
 use crate::graph::{Graph, Node, NodeIndex};
-use crate::lights::{self, LightValue};
+use crate::lights::{self, LightValue, Object as LightObject};
 use crate::meshes::Meshes;
 use crate::modules::{Sources, StaticValue};
 use crate::output::Output;
@@ -14,10 +16,9 @@ use crate::shapes::{self, Geometry};
 use crate::transform::{self, Frames};
 use crate::turtle_state::{EGA_COLORS, StateCommand, TurtleState, initial_turtle_state};
 use crate::types::Types;
-use crate::values::Kind;
 use crate::view::View;
 use glam::{DAffine3, DVec3};
-use scene::{Light, MaterialId, Object, Origin, Sky};
+use scene::{Light, MaterialId, Object, Origin, Sky, SkyRadiance};
 
 /// A drawn node's frames; what tests compare with known figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +71,7 @@ pub(crate) struct Builder<'a> {
     pub out: Output,
     pub frames: Vec<DrawnFrames>,
     meshes: Meshes,
+    distributions: Distributions,
     initial: TurtleState,
     has_light: bool,
 }
@@ -94,6 +96,7 @@ impl<'a> Builder<'a> {
             out,
             frames: Vec::new(),
             meshes: Meshes::default(),
+            distributions: Distributions::default(),
             initial,
             has_light: false,
         }
@@ -364,9 +367,16 @@ impl<'a> Builder<'a> {
 
     /// A light shines also when its layer is hidden (unverified).
     fn light(&mut self, site: &Site, fields: &Fields<'_>) -> Result<(), ReadError> {
-        match lights::light(fields)? {
+        match lights::light(fields, &mut self.shaders, &mut self.distributions, &mut self.out)? {
             LightValue::None => {}
             LightValue::Skipped(class, reason) => self.out.report.skip(&class, reason),
+            LightValue::Ambient(color) => {
+                // It does not count as a light: without another one the path tracer's picture would be black.
+                for (sum, c) in self.out.scene.ambient.iter_mut().zip(color) {
+                    *sum += c;
+                }
+                self.out.report.warn("an AmbientLight acts in the ray tracer only", None);
+            }
             LightValue::Light { .. } if !shapes::is_invertible(&site.frames.own) => {
                 self.skip(site.node, "its transformation is flat or not a number");
             }
@@ -376,37 +386,48 @@ impl<'a> Builder<'a> {
                 self.out.scene.lights.push(light);
                 self.has_light = true;
             }
+            // That the sky of a LightNode is seen, too, is unverified.
+            LightValue::Sky(daylight) => self.set_sky(site, SkyRadiance::Daylight(daylight)),
         }
         Ok(())
     }
 
     fn sky(&mut self, site: &Site, fields: &Fields<'_>, material: MaterialId) -> Result<(), ReadError> {
-        let class = match fields.get("shader") {
-            Field::File(v) => Some(v),
-            Field::Module(_) | Field::Missing => None,
-        };
-        let class = class.and_then(|v| match v.kind {
-            Kind::Ref => {
-                v.text().parse().ok().and_then(|id| self.graph.by_id(id)).map(|i| self.graph.type_name(i))
+        if let Field::File(value) = fields.get("shader")
+            && let Some(found) = self.shaders.follow(value)
+            && found.class.ends_with(".SunSkyLight")
+        {
+            let object = LightObject { graph: self.graph, members: found.members, class: found.class };
+            match daylight::daylight(&object, found.line, &mut self.out)? {
+                DaylightValue::Sky(daylight) => self.set_sky(site, SkyRadiance::Daylight(daylight)),
+                DaylightValue::Unusable(reason) => self.skip(site.node, reason),
             }
-            _ => self.graph.values.type_of(v),
-        });
-        if class.is_some_and(|class| class.ends_with(".SunSkyLight")) {
-            self.skip(site.node, "skies with a SunSkyLight are not supported yet");
             return Ok(());
         }
         let power_density = fields.number("powerDensity", 50.0)?;
         if !power_density.is_finite() || power_density < 0.0 {
             self.skip(site.node, "its powerDensity is negative or not a number");
-        } else if self.out.scene.sky.is_some() {
-            self.skip(site.node, "there is another sky before it");
         } else {
-            let radiance = lights::sky_radiance(power_density, self.shaders.mean(material));
-            let origin = self.origin(site.node);
-            self.out.scene.sky = Some(Sky { radiance, origin });
-            self.has_light = true;
+            self.set_sky(site, lights::sky_radiance(power_density, material, &self.out.scene));
         }
         Ok(())
+    }
+
+    /// A scene has one sky: the first one.
+    fn set_sky(&mut self, site: &Site, radiance: SkyRadiance) {
+        if self.out.scene.sky.is_some() {
+            self.skip(site.node, "there is another sky before it");
+        } else if !shapes::is_invertible(&site.frames.own) {
+            self.skip(site.node, "its transformation is flat or not a number");
+        } else {
+            let origin = self.origin(site.node);
+            // A sky that does not shine is no light; then the default light is added (unverified).
+            self.has_light |= match &radiance {
+                SkyRadiance::Daylight(daylight) => daylight.shines,
+                SkyRadiance::Uniform(_) | SkyRadiance::Channel { .. } => true,
+            };
+            self.out.scene.sky = Some(Sky { radiance, world_from_sky: site.frames.own, origin });
+        }
     }
 
     fn add_default_light(&mut self) {

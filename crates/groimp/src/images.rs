@@ -19,6 +19,11 @@ impl Images {
         Images { archive, by_file: HashMap::new() }
     }
 
+    /// Contents of any file of the project.
+    pub fn read_file(&mut self, file: &str) -> Result<Option<Vec<u8>>, ReadError> {
+        self.archive.read(file)
+    }
+
     /// The picture in a file of the project; `None`, with a warning, if it is missing or broken.
     pub fn load(
         &mut self,

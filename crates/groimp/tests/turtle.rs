@@ -157,7 +157,7 @@ fn a_plain_sky_has_a_radiance() {
     let fields =
         "<object gx:name=\"shader\" gx:type=\"de.grogra.imp3d.shading.RGBAShader\" gx:value=\"true 28\"/>";
     let project = read("sky", &[("de.grogra.imp3d.objects.Sky", fields)]);
-    let radiance = project.scene.sky.unwrap().radiance;
+    let scene::SkyRadiance::Uniform(radiance) = project.scene.sky.unwrap().radiance else { panic!() };
     near(DVec3::from_array(radiance), [50.0 / (12.0 * std::f64::consts::PI); 3]);
 }
 

@@ -12,11 +12,13 @@
 pub mod bsdf;
 pub mod camera;
 pub mod light;
+pub mod light_tree;
 pub mod mesh;
 pub mod path;
 pub mod random;
 pub mod records;
 pub mod shape;
+pub mod sky;
 pub mod texture;
 pub mod tone;
 pub mod traversal;

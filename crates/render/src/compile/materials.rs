@@ -7,6 +7,8 @@ use scene::{ChannelId, Material, Scene};
 pub(super) struct Materials {
     pub records: Vec<MaterialRecord>,
     pub channels: Vec<ChannelRecord>,
+    /// For every channel of the scene, where its program starts.
+    pub channel_starts: Vec<u32>,
     pub texels: Vec<u32>,
     /// For every material, whether rays pass it somewhere.
     pub not_opaque: Vec<bool>,
@@ -58,5 +60,5 @@ pub(super) fn compile_materials(scene: &Scene) -> Result<Materials, CompileError
             }
         }
     }
-    Ok(Materials { records: materials, channels: records, texels, not_opaque })
+    Ok(Materials { records: materials, channels: records, channel_starts: starts, texels, not_opaque })
 }

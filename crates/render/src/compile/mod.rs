@@ -3,6 +3,9 @@
 mod bvh;
 mod camera;
 mod channels;
+mod daylight;
+mod environment;
+mod light_tree;
 mod lights;
 mod materials;
 mod objects;
@@ -10,9 +13,9 @@ mod triangles;
 
 use crate::compile::materials::Materials;
 use kernels::records::kernel::{
-    BvhNode, ChannelRecord, LightRecord, MaterialRecord, NONE, ObjectRecord, SceneHeader,
+    BvhNode, ChannelRecord, LightRecord, MaterialRecord, ObjectRecord, SceneHeader,
 };
-use scene::{DAffine3, DVec3, Scene};
+use scene::{DAffine3, DVec3, LightKind, Scene};
 
 /// A scene in the form that devices take: flat tables of records, in 32-bit numbers, relative to an origin near
 /// the middle of the scene, so that a scene far from the origin of its coordinates renders as sharply as one
@@ -31,9 +34,10 @@ pub struct CompiledScene {
     pub channels: Vec<ChannelRecord>,
     /// Red, green, blue, alpha of all images, red in the lowest byte.
     pub texels: Vec<u32>,
-    /// All light sources, the sky included.
+    /// All light sources, the sky and the groups of the light tree included.
     pub lights: Vec<LightRecord>,
-    /// Normals and texture coordinates of triangles, found through `SurfaceRecord::attributes`.
+    /// Normals and texture coordinates of triangles, found through `SurfaceRecord::attributes`, and the tables of
+    /// lights, found through `LightRecord::first` and `LightRecord::program`.
     pub attributes: Vec<[f32; 4]>,
     triangles: usize,
 }
@@ -84,6 +88,14 @@ pub enum CompileError {
         /// Position of the channel.
         channel: usize,
     },
+    /// A light's table is too large.
+    #[error("the intensity table of a light is {columns} x {rows}; at most 65535 x 65535 can be used")]
+    DistributionTooLarge {
+        /// Its polar angles.
+        columns: usize,
+        /// Its azimuths.
+        rows: usize,
+    },
     /// The camera's numbers make no picture.
     #[error("the camera cannot be used: its placement or opening angle is zero or not a number")]
     DegenerateCamera,
@@ -117,21 +129,24 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
     };
     let local_from_world = DAffine3::from_translation(-origin);
 
-    let Materials { records: materials, channels, texels, not_opaque } = materials::compile_materials(scene)?;
-    let lights = lights::compile_lights(scene, &local_from_world);
+    check_distributions(scene)?;
+    let Materials { records: materials, channels, channel_starts, texels, not_opaque } =
+        materials::compile_materials(scene)?;
+    let mut lights = lights::compile_lights(scene, &local_from_world, &channel_starts);
     let mut primitives = objects::compile_objects(scene, &local_from_world, &not_opaque, &lights.of_object)?;
     let triangles = primitives.triangles;
-    let attributes = std::mem::take(&mut primitives.attributes);
+    let mut attributes = std::mem::take(&mut primitives.attributes);
+    lights.append_tables(&mut attributes);
     let hierarchy = bvh::arrange(primitives, acceleration);
 
     let local_bounds = bounds.map(|(low, high)| (low - origin, high - origin));
     let mut header = camera::compile_camera(&scene.camera, &local_from_world, local_bounds)?;
     header.unbounded_objects = count(hierarchy.unbounded);
     header.nodes = count(hierarchy.nodes.len());
-    header.lights = count(lights.records.len());
-    header.sky = lights.sky.unwrap_or(NONE);
+    header.lights = lights.top;
+    header.distant_lights = lights.distant;
 
-    Ok(CompiledScene {
+    let mut compiled = CompiledScene {
         header,
         nodes: hierarchy.nodes,
         objects: hierarchy.objects,
@@ -141,7 +156,21 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
         lights: lights.records,
         attributes,
         triangles,
-    })
+    };
+    environment::add_sky_densities(&mut compiled);
+    Ok(compiled)
+}
+
+fn check_distributions(scene: &Scene) -> Result<(), CompileError> {
+    for light in &scene.lights {
+        if let LightKind::Physical { distribution, .. } = &light.kind {
+            let (columns, rows) = (distribution.columns(), distribution.rows());
+            if columns.max(rows) > usize::from(u16::MAX) {
+                return Err(CompileError::DistributionTooLarge { columns, rows });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// A table length as the kernels count it.

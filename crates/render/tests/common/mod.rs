@@ -53,7 +53,7 @@ impl Builder {
     }
 
     pub fn sky(&mut self, radiance: Rgb) {
-        self.scene.sky = Some(Sky { radiance, origin: ORIGIN });
+        self.scene.sky = Some(Sky::uniform(radiance, ORIGIN));
     }
 
     /// A horizontal rectangle at `centre`; the front looks up or down.
