@@ -83,9 +83,9 @@ pub mod kernel {
         LightSample { direction: vec3f(0.0, 0.0, 1.0), distance: 0.0, weight: vec3f(0.0, 0.0, 0.0), pdf: 0.0 }
     }
 
-    /// Light that arrives at a surface point with unit normal `normal`.
-    pub fn sample_light<S: SceneAccess + Copy>(
-        scene: S,
+    /// Light that arrives at a surface point with unit normal `normal`, from a light that needs no table; from a
+    /// physical light as if its density were 1 everywhere.
+    pub fn sample_plain_light(
         light: LightRecord,
         point: Vec3f,
         normal: Vec3f,
@@ -100,21 +100,12 @@ pub mod kernel {
                 pdf: 0.0,
             };
         }
-        if light.kind >= LIGHT_SKY && light.kind <= LIGHT_SUN {
-            let sample = sample_distant::<S>(scene, light, normal, both_sides, u);
-            if sample.pdf <= 0.0 {
-                return no_light();
+        if light.kind == LIGHT_SKY || light.kind == LIGHT_SUN {
+            let mut sky = sample_sun(light, u);
+            if light.kind == LIGHT_SKY {
+                sky = sample_uniform_sky(normal, both_sides, u);
             }
-            let mut radiance = light.emission;
-            if light.kind == LIGHT_SKY_MAP || light.kind == LIGHT_DAYLIGHT {
-                radiance = distant_radiance::<S>(scene, light, sample.direction);
-            }
-            return LightSample {
-                direction: sample.direction,
-                distance: NO_HIT,
-                weight: radiance * (1.0 / sample.pdf),
-                pdf: sample.pdf,
-            };
+            return from_sky(sky, light.emission);
         }
         let mut aim = light.position;
         if light.kind == LIGHT_AREA {
@@ -144,9 +135,39 @@ pub mod kernel {
         if light.kind == LIGHT_SPOT {
             intensity *= spot_profile(cos_light, light.cos_inner, light.cos_outer);
         }
-        if light.kind == LIGHT_PHYSICAL {
-            intensity *= distribution_density::<S>(scene, light, -direction);
-        }
         LightSample { direction, distance, weight: intensity * (1.0 / squared), pdf: 0.0 }
+    }
+
+    /// Light of the given radiance from a direction that was drawn.
+    pub fn from_sky(sky: SkyDirection, radiance: Vec3f) -> LightSample {
+        if sky.pdf <= 0.0 {
+            return no_light();
+        }
+        LightSample {
+            direction: sky.direction,
+            distance: NO_HIT,
+            weight: radiance * (1.0 / sky.pdf),
+            pdf: sky.pdf,
+        }
+    }
+
+    /// Light that arrives at a surface point with unit normal `normal`.
+    pub fn sample_light<S: SceneAccess + Copy>(
+        scene: S,
+        light: LightRecord,
+        point: Vec3f,
+        normal: Vec3f,
+        both_sides: bool,
+        u: Vec2f,
+    ) -> LightSample {
+        if light.kind == LIGHT_SKY_MAP || light.kind == LIGHT_DAYLIGHT {
+            let sky = sample_table::<S>(scene, light, u);
+            return from_sky(sky, distant_radiance::<S>(scene, light, sky.direction));
+        }
+        let mut sample = sample_plain_light(light, point, normal, both_sides, u);
+        if light.kind == LIGHT_PHYSICAL {
+            sample.weight *= distribution_density::<S>(scene, light, -sample.direction);
+        }
+        sample
     }
 }

@@ -208,21 +208,4 @@ pub mod kernel {
         }
         0.0
     }
-
-    /// A direction towards a sky or the sun.
-    pub fn sample_distant<S: SceneAccess + Copy>(
-        scene: S,
-        light: LightRecord,
-        normal: Vec3f,
-        both_sides: bool,
-        u: Vec2f,
-    ) -> SkyDirection {
-        if light.kind == LIGHT_SKY {
-            return sample_uniform_sky(normal, both_sides, u);
-        }
-        if light.kind == LIGHT_SUN {
-            return sample_sun(light, u);
-        }
-        sample_table::<S>(scene, light, u)
-    }
 }

@@ -1267,22 +1267,6 @@ fn find_interval_Buffers(scene: Buffers, first: u32, count: u32, u: f32) -> u32 
     return low;
 }
 
-fn sample_distant_Buffers(
-    scene: Buffers,
-    light: LightRecord,
-    normal: vec3f,
-    both_sides: bool,
-    u: vec2f,
-) -> SkyDirection {
-    if (light.kind == LIGHT_SKY) {
-        return sample_uniform_sky(normal, both_sides, u);
-    }
-    if (light.kind == LIGHT_SUN) {
-        return sample_sun(light, u);
-    }
-    return sample_table_Buffers(scene, light, u);
-}
-
 fn sample_table_Buffers(scene: Buffers, light: LightRecord, u: vec2f) -> SkyDirection {
     let columns = (light.count & 65535u);
     let rows = (light.count >> 16u);
@@ -1449,6 +1433,56 @@ fn no_light() -> LightSample {
     return LightSample(vec3f(0.0, 0.0, 1.0), 0.0, vec3f(0.0, 0.0, 0.0), 0.0);
 }
 
+fn sample_plain_light(
+    light: LightRecord,
+    point: vec3f,
+    normal: vec3f,
+    both_sides: bool,
+    u: vec2f,
+) -> LightSample {
+    if (light.kind == LIGHT_DIRECTIONAL) {
+        return LightSample(-light.axis, NO_HIT, light.emission, 0.0);
+    }
+    if ((light.kind == LIGHT_SKY) || (light.kind == LIGHT_SUN)) {
+        var sky = sample_sun(light, u);
+        if (light.kind == LIGHT_SKY) {
+            sky = sample_uniform_sky(normal, both_sides, u);
+        }
+        return from_sky(sky, light.emission);
+    }
+    var aim = light.position;
+    if (light.kind == LIGHT_AREA) {
+        aim = ((light.position + (light.edge_u * ((2.0 * u.x) - 1.0))) + (light.edge_v * u.y));
+    }
+    let to_light = (aim - point);
+    let squared = dot(to_light, to_light);
+    if (squared < 1.0e-20) {
+        return no_light();
+    }
+    let distance = sqrt(squared);
+    let direction = (to_light * (1.0 / distance));
+    let cos_light = -dot(direction, light.axis);
+    if (light.kind == LIGHT_AREA) {
+        if (cos_light <= 0.0) {
+            return no_light();
+        }
+        let pdf = area_pdf(light, squared, cos_light);
+        return LightSample(direction, distance, (area_radiance(light, cos_light) * (1.0 / pdf)), pdf);
+    }
+    var intensity = light.emission;
+    if (light.kind == LIGHT_SPOT) {
+        intensity *= spot_profile(cos_light, light.cos_inner, light.cos_outer);
+    }
+    return LightSample(direction, distance, (intensity * (1.0 / squared)), 0.0);
+}
+
+fn from_sky(sky: SkyDirection, radiance: vec3f) -> LightSample {
+    if (sky.pdf <= 0.0) {
+        return no_light();
+    }
+    return LightSample(sky.direction, NO_HIT, (radiance * (1.0 / sky.pdf)), sky.pdf);
+}
+
 fn distribution_density_Buffers(scene: Buffers, light: LightRecord, direction: vec3f) -> f32 {
     let columns = (light.count & 65535u);
     let rows = (light.count >> 16u);
@@ -1474,47 +1508,15 @@ fn sample_light_Buffers(
     both_sides: bool,
     u: vec2f,
 ) -> LightSample {
-    if (light.kind == LIGHT_DIRECTIONAL) {
-        return LightSample(-light.axis, NO_HIT, light.emission, 0.0);
+    if ((light.kind == LIGHT_SKY_MAP) || (light.kind == LIGHT_DAYLIGHT)) {
+        let sky = sample_table_Buffers(scene, light, u);
+        return from_sky(sky, distant_radiance_Buffers(scene, light, sky.direction));
     }
-    if ((light.kind >= LIGHT_SKY) && (light.kind <= LIGHT_SUN)) {
-        let sample = sample_distant_Buffers(scene, light, normal, both_sides, u);
-        if (sample.pdf <= 0.0) {
-            return no_light();
-        }
-        var radiance = light.emission;
-        if ((light.kind == LIGHT_SKY_MAP) || (light.kind == LIGHT_DAYLIGHT)) {
-            radiance = distant_radiance_Buffers(scene, light, sample.direction);
-        }
-        return LightSample(sample.direction, NO_HIT, (radiance * (1.0 / sample.pdf)), sample.pdf);
-    }
-    var aim = light.position;
-    if (light.kind == LIGHT_AREA) {
-        aim = ((light.position + (light.edge_u * ((2.0 * u.x) - 1.0))) + (light.edge_v * u.y));
-    }
-    let to_light = (aim - point);
-    let squared = dot(to_light, to_light);
-    if (squared < 1.0e-20) {
-        return no_light();
-    }
-    let distance = sqrt(squared);
-    let direction = (to_light * (1.0 / distance));
-    let cos_light = -dot(direction, light.axis);
-    if (light.kind == LIGHT_AREA) {
-        if (cos_light <= 0.0) {
-            return no_light();
-        }
-        let pdf = area_pdf(light, squared, cos_light);
-        return LightSample(direction, distance, (area_radiance(light, cos_light) * (1.0 / pdf)), pdf);
-    }
-    var intensity = light.emission;
-    if (light.kind == LIGHT_SPOT) {
-        intensity *= spot_profile(cos_light, light.cos_inner, light.cos_outer);
-    }
+    var sample = sample_plain_light(light, point, normal, both_sides, u);
     if (light.kind == LIGHT_PHYSICAL) {
-        intensity *= distribution_density_Buffers(scene, light, -direction);
+        sample.weight *= distribution_density_Buffers(scene, light, -sample.direction);
     }
-    return LightSample(direction, distance, (intensity * (1.0 / squared)), 0.0);
+    return sample;
 }
 
 fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> Ray {

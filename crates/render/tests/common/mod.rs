@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test file uses a part")]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the failure report")]
 
+pub mod access;
 pub mod garden;
 
 use render::gpu::Gpu;
