@@ -11,7 +11,7 @@ use crate::lights::{self, LightValue, Object as LightObject};
 use crate::meshes::Meshes;
 use crate::modules::{Sources, StaticValue};
 use crate::output::Output;
-use crate::shaders::{GRAY, ShaderSource, Shaders};
+use crate::shaders::{Found, GRAY, ShaderSource, Shaders};
 use crate::shapes::{self, Geometry};
 use crate::transform::{self, Frames};
 use crate::turtle_state::{EGA_COLORS, StateCommand, TurtleState, initial_turtle_state};
@@ -186,7 +186,8 @@ impl<'a> Builder<'a> {
             let message = format!("{}: {oddity}", self.graph.type_name(node));
             self.out.report.warn(message, location);
         }
-        if class.has_shader() {
+        let sun_sky = if class == Class::Sky { self.sun_sky(fields) } else { None };
+        if class.has_shader() && sun_sky.is_none() {
             material = self.shader_field(fields)?.unwrap_or(material);
         }
         let site = Site { node, class, frames };
@@ -197,7 +198,7 @@ impl<'a> Builder<'a> {
             }
             Class::Gravity(Amount::State | Amount::Mul) => state.tropism.local = state.tropism.main,
             Class::LightNode => self.light(&site, fields)?,
-            Class::Sky => self.sky(&site, fields, material)?,
+            Class::Sky => self.sky(&site, fields, sun_sky, material)?,
             Class::Sphere => self.draw(&site, fields, shapes::sphere(fields)?, material)?,
             Class::Plane => {
                 let shape = scene::Shape::Plane;
@@ -392,13 +393,25 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    fn sky(&mut self, site: &Site, fields: &Fields<'_>, material: MaterialId) -> Result<(), ReadError> {
-        if let Field::File(value) = fields.get("shader")
-            && let Some(found) = self.shaders.follow(value)
-            && found.class.ends_with(".SunSkyLight")
-        {
-            let object = LightObject { graph: self.graph, members: found.members, class: found.class };
-            match daylight::daylight(&object, found.line, &mut self.out)? {
+    /// The SunSkyLight that the shader of a sky is.
+    fn sun_sky<'f>(&self, fields: &Fields<'f>) -> Option<Found<'f>>
+    where
+        'a: 'f,
+    {
+        let Field::File(value) = fields.get("shader") else { return None };
+        self.shaders.follow(value).filter(|found| found.class.ends_with(".SunSkyLight"))
+    }
+
+    fn sky(
+        &mut self,
+        site: &Site,
+        fields: &Fields<'_>,
+        sun_sky: Option<Found<'_>>,
+        material: MaterialId,
+    ) -> Result<(), ReadError> {
+        if let Some(Found { class, members, line }) = sun_sky {
+            let object = LightObject { graph: self.graph, members, class };
+            match daylight::daylight(&object, line, &mut self.out)? {
                 DaylightValue::Sky(daylight) => self.set_sky(site, SkyRadiance::Daylight(daylight)),
                 DaylightValue::Unusable(reason) => self.skip(site.node, reason),
             }

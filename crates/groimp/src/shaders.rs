@@ -279,6 +279,11 @@ impl<'a> Shaders<'a> {
                     None => Step::Done(Some(self.predefined(GRAY, out))),
                 })
             }
+            "SunSkyLight" => {
+                let message = "a SunSkyLight on a surface is drawn in its average colour";
+                out.report.warn(message, self.graph.location(line));
+                Ok(Step::Done(Some(self.rgba([128.0 / 255.0, 128.0 / 255.0, 1.0, 1.0], out))))
+            }
             "ShaderRef" | "MaterialRef" => {
                 let name = find("name").map(|v| v.text().to_owned()).unwrap_or_default();
                 Ok(self.by_name(&name, out))

@@ -265,8 +265,10 @@ fn two_thousand_lights_add_up() {
             .sum();
         let expected = irradiance * 0.5 / PI;
         assert_mean(&render(&b.scene, &settings(32, 32, 64, 1)), [expected; 3], 5.0);
-        if let Some(gpu) = &gpu {
-            assert_mean(&render_on(gpu, &b.scene, &settings(16, 16, 64, 1)), [expected; 3], 5.0);
+        if x == 0.0
+            && let Some(gpu) = &gpu
+        {
+            assert_mean(&render_on(gpu, &b.scene, &settings(16, 16, 16, 1)), [expected; 3], 5.0);
         }
     }
 }
@@ -308,7 +310,7 @@ fn a_room_of_many_lamps_is_the_same_picture_on_both_devices() {
     let Some(gpu) = gpu() else { return };
     let mut b = Builder { scene: mixed(60) };
     b.look(DVec3::new(0.0, -12.0, 6.0), DVec3::ZERO, DVec3::Z, 60.0);
-    let settings = settings(32, 24, 32, 2);
+    let settings = settings(16, 12, 16, 2);
     let (cpu, gpu) = (render(&b.scene, &settings), render_on(&gpu, &b.scene, &settings));
     let ((a, ea), (b, eb)) = (mean_and_error(&cpu), mean_and_error(&gpu));
     assert!((a[0] - b[0]).abs() < 5.0 * ea[0].hypot(eb[0]), "{a:?} {b:?}");
