@@ -97,6 +97,19 @@ fn a_distribution_is_interpolated_in_both_angles() {
     assert!((integral - 1.0).abs() < 3e-3, "{integral}");
 }
 
+#[test]
+fn lamps_of_one_kind_share_their_table() {
+    let mut b = Builder::new();
+    let (one, other) = (table(6, 4, |x, y| (1 + x + y) as f64), table(2, 1, |_, _| 1.0));
+    for distribution in [&one, &other, &one] {
+        let distribution = Arc::clone(distribution);
+        b.light(LightKind::Physical { power: [1.0; 3], distribution }, down(0.0, 0.0, 2.0));
+    }
+    let compiled = compile(&b.scene).unwrap();
+    assert_eq!(compiled.attributes.len(), 26);
+    assert_eq!([0, 1, 2].map(|i| compiled.lights[i].first), [0, 24, 0]);
+}
+
 /// Random numbers of a fixed seed.
 fn random(index: u32, dimension: u32) -> [f64; 4] {
     random4(SampleKey { pixel: index, sample: 0, seed: 77 }, dimension).to_array().map(f64::from)

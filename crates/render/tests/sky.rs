@@ -67,7 +67,8 @@ fn a_sky_with_one_bright_half_has_its_irradiance() {
     let upper = |_: u32, row: u32| if row < 4 { 255 } else { 0 };
     let side = |column: u32, _: u32| if column < 4 { 255 } else { 0 };
     let quarter = DAffine3::from_rotation_x(FRAC_PI_2);
-    let cases: [(&dyn Fn(u32, u32) -> u8, DAffine3, f64); 5] = [
+    type Pixels<'a> = &'a dyn Fn(u32, u32) -> u8;
+    let cases: [(Pixels, DAffine3, f64); 5] = [
         (&upper, DAffine3::IDENTITY, 1.0),
         (&upper, DAffine3::from_rotation_x(PI), 0.0),
         (&upper, quarter, 0.5),

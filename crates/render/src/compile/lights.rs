@@ -6,7 +6,9 @@ use kernels::records::kernel::{
     LIGHT_SPOT, LIGHT_SUN, LightRecord, NONE,
 };
 use scene::{DAffine3, DVec3, Distribution, Emission, LightKind, Rgb, Scene, Shape, Sky, SkyRadiance};
+use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
 
 /// The table of lights.
 pub(super) struct Lights {
@@ -18,15 +20,23 @@ pub(super) struct Lights {
     pub top: u32,
     /// For every object of the scene, its light or `NONE`.
     pub of_object: Vec<u32>,
-    /// What the records refer to among the attributes, counted from 0 until `append_tables`.
-    tables: Vec<[f32; 4]>,
+    /// What the records refer to among the attributes.
+    tables: Tables,
+}
+
+/// Tables of lights, counted from 0 until they are appended to the attributes.
+#[derive(Default)]
+struct Tables {
+    entries: Vec<[f32; 4]>,
+    /// Where distributions start, by their address: lamps of the same kind share one.
+    starts: HashMap<*const Distribution, u32>,
 }
 
 impl Lights {
     /// Moves the tables of the lights to the end of the attributes.
     pub fn append_tables(&mut self, attributes: &mut Vec<[f32; 4]>) {
         let start = count(attributes.len());
-        attributes.append(&mut self.tables);
+        attributes.append(&mut self.tables.entries);
         for record in &mut self.records {
             match record.kind {
                 LIGHT_PHYSICAL => record.first += start,
@@ -40,7 +50,7 @@ impl Lights {
 /// `channels` tells where the programs of the scene's channels start.
 pub(super) fn compile_lights(scene: &Scene, local_from_world: &DAffine3, channels: &[u32]) -> Lights {
     let mut records = Vec::new();
-    let mut tables = Vec::new();
+    let mut tables = Tables::default();
     if let Some(sky) = &scene.sky {
         compile_sky(sky, channels, &mut records, &mut tables);
     }
@@ -82,7 +92,7 @@ fn bodiless(
     kind: &LightKind,
     local_from_light: &DAffine3,
     shadowless: bool,
-    tables: &mut Vec<[f32; 4]>,
+    tables: &mut Tables,
 ) -> (LightRecord, f64) {
     let axis = local_from_light.transform_vector3(DVec3::Z).normalize_or(DVec3::Z);
     let placed = LightRecord {
@@ -127,18 +137,17 @@ fn bodiless(
                 kind: LIGHT_PHYSICAL,
                 emission: rgb(*power),
                 importance: (luminance(*power) * distribution.max_density()) as f32,
-                first: count(tables.len()),
+                first: tables.start_of(distribution),
                 count: size(distribution.columns(), distribution.rows()),
                 ..with_axes(placed, local_from_light)
             };
-            push_corners(distribution, tables);
             (record, PI)
         }
     }
 }
 
 /// The sky, and the sun if it has one.
-fn compile_sky(sky: &Sky, channels: &[u32], records: &mut Vec<LightRecord>, tables: &mut Vec<[f32; 4]>) {
+fn compile_sky(sky: &Sky, channels: &[u32], records: &mut Vec<LightRecord>, tables: &mut Tables) {
     match &sky.radiance {
         SkyRadiance::Uniform(radiance) => records.push(LightRecord {
             emission: rgb(*radiance),
@@ -158,10 +167,10 @@ fn compile_sky(sky: &Sky, channels: &[u32], records: &mut Vec<LightRecord>, tabl
             let importance = if daylight.shines { 1.0 } else { 0.0 };
             let sky_record = LightRecord {
                 importance,
-                program: count(tables.len()),
+                program: count(tables.entries.len()),
                 ..with_axes(dark(LIGHT_DAYLIGHT), &sky.world_from_sky)
             };
-            tables.extend(model.coefficients);
+            tables.entries.extend(model.coefficients);
             records.push(sky_record);
             if let Some(radiance) = model.sun_radiance {
                 let [x, y, z] = axes(&sky.world_from_sky);
@@ -194,13 +203,26 @@ fn with_axes(record: LightRecord, placement: &DAffine3) -> LightRecord {
     LightRecord { edge_u: vector(x), edge_v: vector(y), axis: vector(z), ..record }
 }
 
-/// Every entry holds the four corners of its cell, so that a look-up reads one.
-fn push_corners(distribution: &Distribution, tables: &mut Vec<[f32; 4]>) {
-    for row in 0..distribution.rows() {
-        for column in 0..distribution.columns() {
-            let at = |column, row| distribution.density(column, row) as f32;
-            tables.push([at(column, row), at(column + 1, row), at(column, row + 1), at(column + 1, row + 1)]);
+impl Tables {
+    /// Where the table of a distribution starts. Every entry holds the four corners of its cell, so that a look-up
+    /// reads one.
+    fn start_of(&mut self, distribution: &Arc<Distribution>) -> u32 {
+        let next = count(self.entries.len());
+        let start = *self.starts.entry(Arc::as_ptr(distribution)).or_insert(next);
+        if start == next {
+            for row in 0..distribution.rows() {
+                for column in 0..distribution.columns() {
+                    let at = |column, row| distribution.density(column, row) as f32;
+                    self.entries.push([
+                        at(column, row),
+                        at(column + 1, row),
+                        at(column, row + 1),
+                        at(column + 1, row + 1),
+                    ]);
+                }
+            }
         }
+        start
     }
 }
 
