@@ -242,6 +242,40 @@ fn lights_are_chosen_as_often_as_their_probability_says() {
     }
 }
 
+/// The same lights without groups: all are looked at everywhere.
+fn without_tree(mut compiled: CompiledScene) -> CompiledScene {
+    let kept = single_lights(&compiled);
+    compiled.lights = kept.iter().map(|&i| compiled.lights[i as usize]).collect();
+    for light in &mut compiled.lights {
+        light.parent = NONE;
+    }
+    for object in &mut compiled.objects {
+        if let Some(place) = kept.iter().position(|&i| i == object.surface.light) {
+            object.surface.light = place as u32;
+        }
+    }
+    compiled.header.lights = kept.len() as u32;
+    compiled
+}
+
+#[test]
+fn the_tree_gives_the_picture_of_a_loop_over_all_lights() {
+    let mut b = Builder { scene: mixed(500) };
+    b.look(DVec3::new(0.0, 0.0, 25.0), DVec3::ZERO, DVec3::Y, 45.0);
+    let device = render::open_device(render::DeviceChoice::Cpu, None).unwrap();
+    let compiled = compile(&b.scene).unwrap();
+    let flat = without_tree(compiled.clone());
+    let settings = settings(48, 48, 64, 1);
+    let [tree, all] = [compiled, flat].map(|compiled| {
+        let film = device.load(Arc::new(compiled)).unwrap().render(&settings, &go_on).unwrap();
+        mean_and_error(&film)
+    });
+    let error = tree.1[0].hypot(all.1[0]);
+    assert!((tree.0[0] - all.0[0]).abs() < 5.0 * error, "{tree:?} {all:?}");
+    // Looking at a few groups is hardly noisier: it had 1.04 times the error when this was written.
+    assert!(tree.1[0] < 2.0 * all.1[0], "{} {}", tree.1[0], all.1[0]);
+}
+
 /// Point lights on a grid over a plane, and their powers.
 fn grid(count: u32) -> (Scene, Vec<(DVec3, f64)>) {
     let mut b = Builder::new();

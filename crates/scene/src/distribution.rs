@@ -16,7 +16,8 @@ impl Distribution {
     /// The distribution in proportion to `values`, row by row; `None` if there are not columns × rows of them, one
     /// is negative or not a number, or all are 0.
     pub fn new(columns: usize, rows: usize, values: &[f64]) -> Option<Self> {
-        let valid = columns.checked_mul(rows) == Some(values.len())
+        let valid = !values.is_empty()
+            && columns.checked_mul(rows) == Some(values.len())
             && values.iter().all(|value| value.is_finite() && *value >= 0.0);
         if !valid {
             return None;
