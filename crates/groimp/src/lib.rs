@@ -16,6 +16,7 @@ mod distributions;
 mod error;
 mod fields;
 mod graph;
+mod groups;
 mod ies;
 mod images;
 mod inline;

@@ -11,6 +11,7 @@
 
 pub mod bsdf;
 pub mod camera;
+pub mod hit;
 pub mod light;
 pub mod light_tree;
 pub mod mesh;

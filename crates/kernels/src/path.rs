@@ -10,6 +10,7 @@ use wgsl_rs::wgsl;
 pub mod kernel {
     use crate::bsdf::kernel::*;
     use crate::camera::kernel::*;
+    use crate::hit::kernel::*;
     use crate::light::kernel::*;
     use crate::light_tree::kernel::*;
     use crate::mesh::kernel::*;
@@ -175,8 +176,7 @@ pub mod kernel {
             }
             let shape = S::shape(scene, hit.object);
             let surface = S::surface(scene, hit.object);
-            let flat_point = surface_point(shape, surface, ray, hit.shape);
-            let point = with_attributes::<S>(scene, shape, surface, flat_point);
+            let point = hit_surface::<S>(scene, ray, hit);
             let wo = -ray.direction;
             let cos_front = dot(point.normal, wo);
             let normal = facing_normal(point, wo);

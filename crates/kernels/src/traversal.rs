@@ -19,10 +19,13 @@ pub mod kernel {
     pub struct Hit {
         pub shape: ShapeHit,
         pub object: u32,
+        /// The instance that the object was found in, or `NONE`.
+        pub instance: u32,
     }
 
-    /// Levels of the hierarchy that the traversal stack can hold; the compiler of scenes keeps to it.
-    pub const MAX_BVH_DEPTH: u32 = 64;
+    /// Levels of the hierarchy of the scene, and of the hierarchy of a group, that the traversal stack can hold
+    /// together; the compiler of scenes keeps to them.
+    pub const MAX_BVH_DEPTH: u32 = 48;
     /// A convex shape is hit at most twice by a ray; an open one may show both sides of its inside.
     pub const MAX_HITS_PER_OBJECT: u32 = 4;
 
@@ -57,11 +60,13 @@ pub mod kernel {
         attribute_uv::<S>(scene, shape, surface, uv)
     }
 
-    /// Joins an object to the closest hit so far. Partly transparent surfaces are met with the probability of
-    /// their opacity; the decision depends on the sample, the segment and the object alone (on the triangle in
-    /// case of meshes), so that the order in which objects are visited does not matter.
+    /// Joins an object to the closest hit so far; `ray` is in the space of the instance, if there is one. Partly
+    /// transparent surfaces are met with the probability of their opacity; the decision depends on the sample, the
+    /// segment, the instance and the object alone (on the triangle in case of meshes), so that the order in which
+    /// objects are visited does not matter.
     pub fn closer_hit<S: SceneAccess + Copy>(
         scene: S,
+        instance: u32,
         index: u32,
         ray: Ray,
         key: SampleKey,
@@ -77,12 +82,12 @@ pub mod kernel {
                 return best;
             }
             if (shape.kind & FLAG_NOT_OPAQUE) == 0u32 {
-                return Hit { shape: hit, object: index };
+                return Hit { shape: hit, object: index, instance };
             }
             let uv = hit_uv::<S>(scene, index, shape, ray, hit);
             let opacity = surface_opacity::<S>(scene, S::material(scene, shape.material), uv);
             if opacity >= 1.0 {
-                return Hit { shape: hit, object: index };
+                return Hit { shape: hit, object: index, instance };
             }
             if opacity > 0.0 {
                 // Front and back of one object are told apart by the number of the attempt.
@@ -93,10 +98,11 @@ pub mod kernel {
                     DIMENSION_OPACITY + S::surface(scene, index).source,
                     key.seed
                         ^ ((segment * MAX_HITS_PER_OBJECT + attempt) * 2654435769u32)
-                        ^ (triangle * 2246822519u32),
+                        ^ (triangle * 2246822519u32)
+                        ^ ((instance + 1u32) * 3266489917u32),
                 ));
                 if unit_float(bits.x) < opacity {
-                    return Hit { shape: hit, object: index };
+                    return Hit { shape: hit, object: index, instance };
                 }
             }
             t_min = hit.t;
@@ -107,31 +113,44 @@ pub mod kernel {
     /// The first surface that a ray meets.
     pub fn closest_hit<S: SceneAccess + Copy>(scene: S, ray: Ray, key: SampleKey, segment: u32) -> Hit {
         let header = S::header(scene);
-        let mut best = Hit { shape: no_hit(), object: NONE };
+        let mut best = Hit { shape: no_hit(), object: NONE, instance: NONE };
         #[wgsl_allow(non_literal_loop_bounds)]
         for i in 0..header.unbounded_objects {
-            best = closer_hit::<S>(scene, i, ray, key, segment, best);
+            best = closer_hit::<S>(scene, NONE, i, ray, key, segment, best);
         }
         if header.nodes == 0u32 {
             return best;
         }
 
-        let inverse = inverse_direction(ray.direction);
-        let mut stack: [u32; 64] = [0u32; 64];
+        // The ray in the space of the instance that is being searched, and how many nodes of the scene wait
+        // below those of the instance.
+        let mut instance = NONE;
+        let mut local = ray;
+        let mut inverse = inverse_direction(ray.direction);
+        let mut waiting: u32 = 0;
+        let mut stack: [u32; 96] = [0u32; 96];
         let mut stacked: u32 = 0;
         let mut current: u32 = 0;
         let mut searching = true;
         while searching {
+            if (current & INSTANCE_BIT) != 0u32 {
+                instance = current ^ INSTANCE_BIT;
+                let placement = S::shape(scene, instance);
+                local = transform_ray(placement.object_from_world, ray);
+                inverse = inverse_direction(local.direction);
+                waiting = stacked;
+                current = placement.material;
+            }
             let node = S::node(scene, current);
-            let t0 = box_entry(ray.origin, inverse, node.min0, node.max0, best.shape.t);
-            let t1 = box_entry(ray.origin, inverse, node.min1, node.max1, best.shape.t);
+            let t0 = box_entry(local.origin, inverse, node.min0, node.max0, best.shape.t);
+            let t1 = box_entry(local.origin, inverse, node.min1, node.max1, best.shape.t);
             // Leaves are tested at once, inner nodes are descended into, the nearer one first.
             let mut descend0 = t0 < NO_HIT;
             let mut descend1 = t1 < NO_HIT;
             if descend0 && node.count0 > 0u32 {
                 #[wgsl_allow(non_literal_loop_bounds)]
                 for i in 0..node.count0 {
-                    best = closer_hit::<S>(scene, node.child0 + i, ray, key, segment, best);
+                    best = closer_hit::<S>(scene, instance, node.child0 + i, local, key, segment, best);
                 }
                 descend0 = false;
             }
@@ -139,7 +158,7 @@ pub mod kernel {
                 if t1 < best.shape.t {
                     #[wgsl_allow(non_literal_loop_bounds)]
                     for i in 0..node.count1 {
-                        best = closer_hit::<S>(scene, node.child1 + i, ray, key, segment, best);
+                        best = closer_hit::<S>(scene, instance, node.child1 + i, local, key, segment, best);
                     }
                 }
                 descend1 = false;
@@ -153,11 +172,18 @@ pub mod kernel {
                 current = node.child0;
             } else if descend1 {
                 current = node.child1;
-            } else if stacked > 0u32 {
-                stacked -= 1;
-                current = stack[stacked as usize];
             } else {
-                searching = false;
+                if instance != NONE && stacked == waiting {
+                    instance = NONE;
+                    local = ray;
+                    inverse = inverse_direction(ray.direction);
+                }
+                if stacked > 0u32 {
+                    stacked -= 1;
+                    current = stack[stacked as usize];
+                } else {
+                    searching = false;
+                }
             }
         }
         best
@@ -201,26 +227,38 @@ pub mod kernel {
             return passed;
         }
 
-        let inverse = inverse_direction(ray.direction);
-        let mut stack: [u32; 64] = [0u32; 64];
+        // As in `closest_hit`, but in any order.
+        let mut instance = NONE;
+        let mut local = ray;
+        let mut inverse = inverse_direction(ray.direction);
+        let mut waiting: u32 = 0;
+        let mut stack: [u32; 96] = [0u32; 96];
         let mut stacked: u32 = 0;
         let mut current: u32 = 0;
         let mut searching = true;
         while searching {
+            if (current & INSTANCE_BIT) != 0u32 {
+                instance = current ^ INSTANCE_BIT;
+                let placement = S::shape(scene, instance);
+                local = transform_ray(placement.object_from_world, ray);
+                inverse = inverse_direction(local.direction);
+                waiting = stacked;
+                current = placement.material;
+            }
             let node = S::node(scene, current);
-            let mut descend0 = box_entry(ray.origin, inverse, node.min0, node.max0, t_max) < NO_HIT;
-            let mut descend1 = box_entry(ray.origin, inverse, node.min1, node.max1, t_max) < NO_HIT;
+            let mut descend0 = box_entry(local.origin, inverse, node.min0, node.max0, t_max) < NO_HIT;
+            let mut descend1 = box_entry(local.origin, inverse, node.min1, node.max1, t_max) < NO_HIT;
             if descend0 && node.count0 > 0u32 {
                 #[wgsl_allow(non_literal_loop_bounds)]
                 for i in 0..node.count0 {
-                    passed *= object_transmittance::<S>(scene, node.child0 + i, ray, t_max);
+                    passed *= object_transmittance::<S>(scene, node.child0 + i, local, t_max);
                 }
                 descend0 = false;
             }
             if descend1 && node.count1 > 0u32 {
                 #[wgsl_allow(non_literal_loop_bounds)]
                 for i in 0..node.count1 {
-                    passed *= object_transmittance::<S>(scene, node.child1 + i, ray, t_max);
+                    passed *= object_transmittance::<S>(scene, node.child1 + i, local, t_max);
                 }
                 descend1 = false;
             }
@@ -235,11 +273,18 @@ pub mod kernel {
                 current = node.child0;
             } else if descend1 {
                 current = node.child1;
-            } else if stacked > 0u32 {
-                stacked -= 1;
-                current = stack[stacked as usize];
             } else {
-                searching = false;
+                if instance != NONE && stacked == waiting {
+                    instance = NONE;
+                    local = ray;
+                    inverse = inverse_direction(ray.direction);
+                }
+                if stacked > 0u32 {
+                    stacked -= 1;
+                    current = stack[stacked as usize];
+                } else {
+                    searching = false;
+                }
             }
         }
         passed

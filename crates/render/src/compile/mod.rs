@@ -5,17 +5,20 @@ mod camera;
 mod channels;
 mod daylight;
 mod environment;
+mod instances;
 mod light_tree;
 mod lights;
 mod materials;
 mod objects;
 mod triangles;
+mod unit_shapes;
 
 use crate::compile::materials::Materials;
+use crate::compile::objects::Objects;
 use kernels::records::kernel::{
     BvhNode, ChannelRecord, LightRecord, MaterialRecord, ObjectRecord, SceneHeader,
 };
-use scene::{DAffine3, DVec3, LightKind, Scene};
+use scene::{DAffine3, DVec3, LightKind, Origin, Scene};
 
 /// A scene in the form that devices take: flat tables of records, in 32-bit numbers, relative to an origin near
 /// the middle of the scene, so that a scene far from the origin of its coordinates renders as sharply as one
@@ -24,9 +27,9 @@ use scene::{DAffine3, DVec3, LightKind, Scene};
 pub struct CompiledScene {
     /// What is the same for the whole scene.
     pub header: SceneHeader,
-    /// Bounding volume hierarchy over the bounded objects; the root is node 0.
+    /// Bounding volume hierarchy over the bounded objects, with the root as node 0; then those of the groups.
     pub nodes: Vec<BvhNode>,
-    /// Unbounded objects, then the bounded ones in the order of the hierarchy's leaves.
+    /// Unbounded objects, then the bounded ones in the order of the hierarchy's leaves, then those of groups.
     pub objects: Vec<ObjectRecord>,
     /// Indexed by `ShapeRecord::material`.
     pub materials: Vec<MaterialRecord>,
@@ -39,6 +42,8 @@ pub struct CompiledScene {
     /// Normals and texture coordinates of triangles, found through `SurfaceRecord::attributes`, and the tables of
     /// lights, found through `LightRecord::first` and `LightRecord::program`.
     pub attributes: Vec<[f32; 4]>,
+    /// What objects and instances come from, by `SurfaceRecord::source`.
+    pub origins: Vec<Origin>,
     triangles: usize,
 }
 
@@ -96,6 +101,18 @@ pub enum CompileError {
         /// Its azimuths.
         rows: usize,
     },
+    /// Instances within instances multiply to more than can be stored.
+    #[error("the scene has more than {most} instances, counted through nested ones; use fewer of them")]
+    TooManyInstances {
+        /// What is accepted.
+        most: usize,
+    },
+    /// A group contains itself, or nearly so.
+    #[error("instances are nested more than {deepest} deep, or a group contains itself")]
+    NestedInstances {
+        /// What is accepted.
+        deepest: usize,
+    },
     /// The camera's numbers make no picture.
     #[error("the camera cannot be used: its placement or opening angle is zero or not a number")]
     DegenerateCamera,
@@ -121,6 +138,8 @@ pub fn compile(scene: &Scene) -> Result<CompiledScene, CompileError> {
 /// # Errors
 /// As [`compile`].
 pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<CompiledScene, CompileError> {
+    let placements = instances::placements(scene)?;
+    let scene = &*instances::with_raised_members(scene, &placements);
     let bounds = scene.bounds();
     let world_from_camera = scene.camera.view_from_world.inverse();
     let origin = match bounds {
@@ -133,11 +152,16 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
     let Materials { records: materials, channels, channel_starts, texels, not_opaque } =
         materials::compile_materials(scene)?;
     let mut lights = lights::compile_lights(scene, &local_from_world, &channel_starts);
-    let mut primitives = objects::compile_objects(scene, &local_from_world, &not_opaque, &lights.of_object)?;
-    let triangles = primitives.triangles;
-    let mut attributes = std::mem::take(&mut primitives.attributes);
+    let Objects { scene: primitives, groups, mut attributes, origins, triangles } = objects::compile_objects(
+        scene,
+        &placements,
+        &local_from_world,
+        &not_opaque,
+        &lights.of_object,
+        acceleration,
+    )?;
     lights.append_tables(&mut attributes);
-    let hierarchy = bvh::arrange(primitives, acceleration);
+    let hierarchy = bvh::arrange(primitives, groups, acceleration);
 
     let local_bounds = bounds.map(|(low, high)| (low - origin, high - origin));
     let mut header = camera::compile_camera(&scene.camera, &local_from_world, local_bounds)?;
@@ -155,6 +179,7 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
         texels,
         lights: lights.records,
         attributes,
+        origins,
         triangles,
     };
     environment::add_sky_densities(&mut compiled);

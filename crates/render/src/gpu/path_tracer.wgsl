@@ -14,12 +14,14 @@ struct BvhNode {
     max1: vec3f,
     count1: u32
 }
+const INSTANCE_BIT: u32 = 2147483648u;
 const SHAPE_SPHERE: u32 = 0u;
 const SHAPE_BOX: u32 = 1u;
 const SHAPE_FRUSTUM: u32 = 2u;
 const SHAPE_PLANE: u32 = 3u;
 const SHAPE_PARALLELOGRAM: u32 = 4u;
 const SHAPE_TRIANGLE: u32 = 5u;
+const SHAPE_INSTANCE: u32 = 6u;
 const SHAPE_MASK: u32 = 255u;
 const FLAG_BASE_OPEN: u32 = 256u;
 const FLAG_TOP_OPEN: u32 = 512u;
@@ -143,6 +145,14 @@ struct FilmPixel {
 fn transform_point(matrix: Affine, point: vec3f) -> vec3f {
     let p = vec4f(point.x, point.y, point.z, 1.0);
     return vec3f(dot(matrix.row0, p), dot(matrix.row1, p), dot(matrix.row2, p));
+}
+
+fn compose_row(row: vec4f, second: Affine) -> vec4f {
+    return ((((second.row0 * row.x) + (second.row1 * row.y)) + (second.row2 * row.z)) + vec4f(0.0, 0.0, 0.0, row.w));
+}
+
+fn compose(first: Affine, second: Affine) -> Affine {
+    return Affine(compose_row(first.row0, second), compose_row(first.row1, second), compose_row(first.row2, second));
 }
 
 fn transform_vector(matrix: Affine, direction: vec3f) -> vec3f {
@@ -608,23 +618,19 @@ fn same_side(point: SurfacePoint, facing: vec3f, wo: vec3f, direction: vec3f) ->
 }
 
 fn attribute_normal_Buffers(scene: Buffers, shape: ShapeRecord, surface: SurfaceRecord, point: SurfacePoint) -> vec3f {
+    let none = vec3f(0.0, 0.0, 0.0);
     if (((shape.kind & SHAPE_MASK) != SHAPE_TRIANGLE) || (surface.attributes == NONE)) {
-        return point.normal;
+        return none;
     }
     let last = Buffers_attribute(scene, (surface.attributes + 3u));
     if (last.w == 0.0) {
-        return point.normal;
+        return none;
     }
     let a = Buffers_attribute(scene, surface.attributes);
     let b = Buffers_attribute(scene, (surface.attributes + 1u));
     let c = Buffers_attribute(scene, (surface.attributes + 2u));
     let sum = (((vec3f(a.x, a.y, a.z) * ((1.0 - point.uv.x) - point.uv.y)) + (vec3f(b.x, b.y, b.z) * point.uv.x)) + (vec3f(c.x, c.y, c.z) * point.uv.y));
-    let squared = dot(sum, sum);
-    if (squared < 1.0e-12) {
-        return point.normal;
-    }
-    let side = select(-1.0, 1.0, (dot(sum, point.normal) >= 0.0));
-    return (sum * (side / sqrt(squared)));
+    return select(none, sum, (dot(sum, sum) >= 1.0e-12));
 }
 
 fn attribute_uv_Buffers(scene: Buffers, shape: ShapeRecord, surface: SurfaceRecord, uv: vec2f) -> vec2f {
@@ -642,9 +648,19 @@ fn attribute_uv_Buffers(scene: Buffers, shape: ShapeRecord, surface: SurfaceReco
     return vec2f((((a.w * rest) + (b.w * uv.x)) + (c.w * uv.y)), (((v.x * rest) + (v.y * uv.x)) + (v.z * uv.y)));
 }
 
-fn with_attributes_Buffers(scene: Buffers, shape: ShapeRecord, surface: SurfaceRecord, point: SurfacePoint) -> SurfacePoint {
+fn with_attributes_Buffers(
+    scene: Buffers,
+    shape: ShapeRecord,
+    surface: SurfaceRecord,
+    point: SurfacePoint,
+    smooth_normal: vec3f,
+) -> SurfacePoint {
     var result = point;
-    result.shading_normal = attribute_normal_Buffers(scene, shape, surface, point);
+    let squared = dot(smooth_normal, smooth_normal);
+    if (squared > 0.0) {
+        let side = select(-1.0, 1.0, (dot(smooth_normal, point.normal) >= 0.0));
+        result.shading_normal = (smooth_normal * (side / sqrt(squared)));
+    }
     result.uv = attribute_uv_Buffers(scene, shape, surface, point.uv);
     return result;
 }
@@ -932,9 +948,10 @@ fn surface_transmittance_Buffers(scene: Buffers, material: MaterialRecord, uv: v
 
 struct Hit {
     shape: ShapeHit,
-    object: u32
+    object: u32,
+    instance: u32
 }
-const MAX_BVH_DEPTH: u32 = 64u;
+const MAX_BVH_DEPTH: u32 = 48u;
 const MAX_HITS_PER_OBJECT: u32 = 4u;
 
 fn inverse_direction(d: vec3f) -> vec3f {
@@ -963,6 +980,7 @@ fn is_dark(color: vec3f) -> bool {
 
 fn closer_hit_Buffers(
     scene: Buffers,
+    instance: u32,
     index: u32,
     ray: Ray,
     key: SampleKey,
@@ -977,18 +995,18 @@ fn closer_hit_Buffers(
             return best;
         }
         if ((shape.kind & FLAG_NOT_OPAQUE) == 0u) {
-            return Hit(hit, index);
+            return Hit(hit, index, instance);
         }
         let uv = hit_uv_Buffers(scene, index, shape, ray, hit);
         let opacity = surface_opacity_Buffers(scene, Buffers_material(scene, shape.material), uv);
         if (opacity >= 1.0) {
-            return Hit(hit, index);
+            return Hit(hit, index, instance);
         }
         if (opacity > 0.0) {
             let triangle = u32(shape.top_radius);
-            let bits = pcg4d(vec4u(key.pixel, key.sample, (DIMENSION_OPACITY + Buffers_surface(scene, index).source), ((key.seed ^ (((segment * MAX_HITS_PER_OBJECT) + attempt) * 2654435769u)) ^ (triangle * 2246822519u))));
+            let bits = pcg4d(vec4u(key.pixel, key.sample, (DIMENSION_OPACITY + Buffers_surface(scene, index).source), (((key.seed ^ (((segment * MAX_HITS_PER_OBJECT) + attempt) * 2654435769u)) ^ (triangle * 2246822519u)) ^ ((instance + 1u) * 3266489917u))));
             if (unit_float(bits.x) < opacity) {
-                return Hit(hit, index);
+                return Hit(hit, index, instance);
             }
         }
         t_min = hit.t;
@@ -998,34 +1016,45 @@ fn closer_hit_Buffers(
 
 fn closest_hit_Buffers(scene: Buffers, ray: Ray, key: SampleKey, segment: u32) -> Hit {
     let header = Buffers_header(scene);
-    var best = Hit(no_hit(), NONE);
+    var best = Hit(no_hit(), NONE, NONE);
     for (var i = 0u; i < header.unbounded_objects; i++) {
-        best = closer_hit_Buffers(scene, i, ray, key, segment, best);
+        best = closer_hit_Buffers(scene, NONE, i, ray, key, segment, best);
     }
     if (header.nodes == 0u) {
         return best;
     }
-    let inverse = inverse_direction(ray.direction);
-    var stack: array<u32, 64> = array<u32, 64>();
+    var instance = NONE;
+    var local = ray;
+    var inverse = inverse_direction(ray.direction);
+    var waiting: u32 = 0u;
+    var stack: array<u32, 96> = array<u32, 96>();
     var stacked: u32 = 0u;
     var current: u32 = 0u;
     var searching = true;
     while searching {
+        if ((current & INSTANCE_BIT) != 0u) {
+            instance = (current ^ INSTANCE_BIT);
+            let placement = Buffers_shape(scene, instance);
+            local = transform_ray(placement.object_from_world, ray);
+            inverse = inverse_direction(local.direction);
+            waiting = stacked;
+            current = placement.material;
+        }
         let node = Buffers_node(scene, current);
-        let t0 = box_entry(ray.origin, inverse, node.min0, node.max0, best.shape.t);
-        let t1 = box_entry(ray.origin, inverse, node.min1, node.max1, best.shape.t);
+        let t0 = box_entry(local.origin, inverse, node.min0, node.max0, best.shape.t);
+        let t1 = box_entry(local.origin, inverse, node.min1, node.max1, best.shape.t);
         var descend0 = (t0 < NO_HIT);
         var descend1 = (t1 < NO_HIT);
         if (descend0 && (node.count0 > 0u)) {
             for (var i = 0u; i < node.count0; i++) {
-                best = closer_hit_Buffers(scene, (node.child0 + i), ray, key, segment, best);
+                best = closer_hit_Buffers(scene, instance, (node.child0 + i), local, key, segment, best);
             }
             descend0 = false;
         }
         if (descend1 && (node.count1 > 0u)) {
             if (t1 < best.shape.t) {
                 for (var i = 0u; i < node.count1; i++) {
-                    best = closer_hit_Buffers(scene, (node.child1 + i), ray, key, segment, best);
+                    best = closer_hit_Buffers(scene, instance, (node.child1 + i), local, key, segment, best);
                 }
             }
             descend1 = false;
@@ -1039,11 +1068,18 @@ fn closest_hit_Buffers(scene: Buffers, ray: Ray, key: SampleKey, segment: u32) -
             current = node.child0;
         } else if descend1 {
             current = node.child1;
-        } else if (stacked > 0u) {
-            stacked -= 1u;
-            current = stack[u32(stacked)];
         } else {
-            searching = false;
+            if ((instance != NONE) && (stacked == waiting)) {
+                instance = NONE;
+                local = ray;
+                inverse = inverse_direction(ray.direction);
+            }
+            if (stacked > 0u) {
+                stacked -= 1u;
+                current = stack[u32(stacked)];
+            } else {
+                searching = false;
+            }
         }
     }
     return best;
@@ -1090,24 +1126,35 @@ fn transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32) -> vec3f {
     if ((header.nodes == 0u) || is_dark(passed)) {
         return passed;
     }
-    let inverse = inverse_direction(ray.direction);
-    var stack: array<u32, 64> = array<u32, 64>();
+    var instance = NONE;
+    var local = ray;
+    var inverse = inverse_direction(ray.direction);
+    var waiting: u32 = 0u;
+    var stack: array<u32, 96> = array<u32, 96>();
     var stacked: u32 = 0u;
     var current: u32 = 0u;
     var searching = true;
     while searching {
+        if ((current & INSTANCE_BIT) != 0u) {
+            instance = (current ^ INSTANCE_BIT);
+            let placement = Buffers_shape(scene, instance);
+            local = transform_ray(placement.object_from_world, ray);
+            inverse = inverse_direction(local.direction);
+            waiting = stacked;
+            current = placement.material;
+        }
         let node = Buffers_node(scene, current);
-        var descend0 = (box_entry(ray.origin, inverse, node.min0, node.max0, t_max) < NO_HIT);
-        var descend1 = (box_entry(ray.origin, inverse, node.min1, node.max1, t_max) < NO_HIT);
+        var descend0 = (box_entry(local.origin, inverse, node.min0, node.max0, t_max) < NO_HIT);
+        var descend1 = (box_entry(local.origin, inverse, node.min1, node.max1, t_max) < NO_HIT);
         if (descend0 && (node.count0 > 0u)) {
             for (var i = 0u; i < node.count0; i++) {
-                passed *= object_transmittance_Buffers(scene, (node.child0 + i), ray, t_max);
+                passed *= object_transmittance_Buffers(scene, (node.child0 + i), local, t_max);
             }
             descend0 = false;
         }
         if (descend1 && (node.count1 > 0u)) {
             for (var i = 0u; i < node.count1; i++) {
-                passed *= object_transmittance_Buffers(scene, (node.child1 + i), ray, t_max);
+                passed *= object_transmittance_Buffers(scene, (node.child1 + i), local, t_max);
             }
             descend1 = false;
         }
@@ -1122,11 +1169,18 @@ fn transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32) -> vec3f {
             current = node.child0;
         } else if descend1 {
             current = node.child1;
-        } else if (stacked > 0u) {
-            stacked -= 1u;
-            current = stack[u32(stacked)];
         } else {
-            searching = false;
+            if ((instance != NONE) && (stacked == waiting)) {
+                instance = NONE;
+                local = ray;
+                inverse = inverse_direction(ray.direction);
+            }
+            if (stacked > 0u) {
+                stacked -= 1u;
+                current = stack[u32(stacked)];
+            } else {
+                searching = false;
+            }
         }
     }
     return passed;
@@ -1519,6 +1573,33 @@ fn sample_light_Buffers(
     return sample;
 }
 
+fn placement_error(group_from_world: Affine, world_from_group: Affine, point: SurfacePoint) -> f32 {
+    let error_group = transform_magnitude(group_from_world, point.position);
+    let error_world = transform_magnitude(world_from_group, transform_point(group_from_world, point.position));
+    let e = vec4f(error_group.x, error_group.y, error_group.z, 0.0);
+    let m = world_from_group;
+    let carried = vec3f(dot(abs(m.row0), e), dot(abs(m.row1), e), dot(abs(m.row2), e));
+    return (ROUNDING * dot(abs(point.normal), (error_world + carried)));
+}
+
+fn hit_surface_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> SurfacePoint {
+    var shape = Buffers_shape(scene, hit.object);
+    var surface = Buffers_surface(scene, hit.object);
+    if (hit.instance == NONE) {
+        let flat_point = surface_point(shape, surface, ray, hit.shape);
+        let normal = attribute_normal_Buffers(scene, shape, surface, flat_point);
+        return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
+    }
+    let group_from_world = Buffers_shape(scene, hit.instance).object_from_world;
+    let world_from_group = Buffers_surface(scene, hit.instance).world_from_object;
+    shape.object_from_world = compose(shape.object_from_world, group_from_world);
+    surface.world_from_object = compose(world_from_group, surface.world_from_object);
+    var flat_point = surface_point(shape, surface, ray, hit.shape);
+    flat_point.error = ((2.0 * flat_point.error) + placement_error(group_from_world, world_from_group, flat_point));
+    let normal = transform_transposed(group_from_world, attribute_normal_Buffers(scene, shape, surface, flat_point));
+    return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
+}
+
 fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> Ray {
     let width = f32(settings.width);
     let image_x = ((((2.0 * x) - width) / width) * header.view_scale_x);
@@ -1671,8 +1752,7 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
         }
         let shape = Buffers_shape(scene, hit.object);
         let surface = Buffers_surface(scene, hit.object);
-        let flat_point = surface_point(shape, surface, ray, hit.shape);
-        let point = with_attributes_Buffers(scene, shape, surface, flat_point);
+        let point = hit_surface_Buffers(scene, ray, hit);
         let wo = -ray.direction;
         let cos_front = dot(point.normal, wo);
         let normal = facing_normal(point, wo);
