@@ -205,7 +205,7 @@ mod tests {
             let interior = None;
             scene.objects.push(Object { shape, world_from_object, material, emission, interior, origin });
         }
-        scene.sky = Some(Sky { radiance: [1.0; 3], origin });
+        scene.sky = Some(Sky::uniform([1.0; 3], origin));
         scene
     }
 

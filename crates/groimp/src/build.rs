@@ -3,25 +3,26 @@
 use crate::ReadError;
 use crate::body::Bodies;
 use crate::classes::{Amount, AxisShape, Class, Skip};
+use crate::daylight::{self, DaylightValue};
+use crate::distributions::Distributions;
 use crate::fields::{Field, Fields};
 use crate::graph::{Graph, Node, NodeIndex};
 use crate::groups::Groups;
-use crate::lights::{self, LightValue};
+use crate::lights::{self, LightValue, Object as LightObject};
 use crate::meshes::Meshes;
 use crate::module_lights;
 use crate::modules::{Sources, StaticValue};
 use crate::output::Output;
-use crate::shaders::{GRAY, ShaderSource, Shaders};
+use crate::shaders::{Found, GRAY, ShaderSource, Shaders};
 use crate::shapes::{self, Geometry};
 use crate::surfaces::{SurfaceClass, Surfaces};
 use crate::targets::PlacedTargets;
 use crate::transform::{self, Frames};
 use crate::turtle_state::{EGA_COLORS, StateCommand, TurtleState, initial_turtle_state};
 use crate::types::Types;
-use crate::values::Kind;
 use crate::view::View;
 use glam::{DAffine3, DVec3};
-use scene::{Interior, Light, MaterialId, Object, Origin, Sky};
+use scene::{Interior, Light, MaterialId, Object, Origin, Sky, SkyRadiance};
 
 /// A drawn node's frames; what tests compare with known figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,6 +89,7 @@ pub(crate) struct Builder<'a> {
     meshes: Meshes,
     surfaces: Surfaces,
     pub placed_targets: PlacedTargets,
+    distributions: Distributions,
     visits: Vec<Visit>,
     tree: u32,
     has_light: bool,
@@ -115,6 +117,7 @@ impl<'a> Builder<'a> {
             frames: Vec::new(),
             surfaces,
             placed_targets: PlacedTargets::new(graph, types),
+            distributions: Distributions::default(),
             groups: Groups::default(),
             initial,
             meshes: Meshes::default(),
@@ -242,7 +245,8 @@ impl<'a> Builder<'a> {
             let message = format!("{}: {oddity}", self.graph.type_name(node));
             self.out.report.warn(message, location);
         }
-        if class.has_shader() {
+        let sun_sky = if class == Class::Sky { self.sun_sky(fields) } else { None };
+        if class.has_shader() && sun_sky.is_none() {
             material = self.shader_field(fields)?.unwrap_or(material);
             if let Field::File(value) = fields.get("interior") {
                 interior = self.shaders.interior(value, &mut self.out)?.or(interior);
@@ -256,7 +260,7 @@ impl<'a> Builder<'a> {
             }
             Class::Gravity(Amount::State | Amount::Mul) => state.tropism.local = state.tropism.main,
             Class::LightNode => self.light(&site, fields)?,
-            Class::Sky => self.sky(&site, fields, material)?,
+            Class::Sky => self.sky(&site, fields, sun_sky, material)?,
             Class::Sphere => self.draw(&site, fields, shapes::sphere(fields)?, material)?,
             Class::Plane => {
                 let shape = scene::Shape::Plane;
@@ -499,11 +503,18 @@ impl<'a> Builder<'a> {
         let light = match fields.get("light") {
             Field::Module(StaticValue::Light(light)) => module_lights::light(light),
             Field::Module(StaticValue::Null) => LightValue::None,
-            _ => lights::light(fields)?,
+            _ => lights::light(fields, &mut self.shaders, &mut self.distributions, &mut self.out)?,
         };
         match light {
             LightValue::None => {}
             LightValue::Skipped(class, reason) => self.out.report.skip(&class, reason),
+            LightValue::Ambient(color) => {
+                // It does not count as a light: without another one the path tracer's picture would be black.
+                for (sum, c) in self.out.scene.ambient.iter_mut().zip(color) {
+                    *sum += c;
+                }
+                self.out.report.warn("an AmbientLight acts in the ray tracer only", None);
+            }
             LightValue::Light { .. } if !shapes::is_invertible(&site.frames.own) => {
                 self.skip(site.node, "its transformation is flat or not a number");
             }
@@ -513,37 +524,60 @@ impl<'a> Builder<'a> {
                 self.out.scene.lights.push(light);
                 self.has_light = true;
             }
+            // That the sky of a LightNode is seen, too, is unverified.
+            LightValue::Sky(daylight) => self.set_sky(site, SkyRadiance::Daylight(daylight)),
         }
         Ok(())
     }
 
-    fn sky(&mut self, site: &Site, fields: &Fields<'_>, material: MaterialId) -> Result<(), ReadError> {
-        let class = match fields.get("shader") {
-            Field::File(v) => Some(v),
-            Field::Module(_) | Field::Missing => None,
-        };
-        let class = class.and_then(|v| match v.kind {
-            Kind::Ref => {
-                v.text().parse().ok().and_then(|id| self.graph.by_id(id)).map(|i| self.graph.type_name(i))
+    /// The SunSkyLight that the shader of a sky is.
+    fn sun_sky<'f>(&self, fields: &Fields<'f>) -> Option<Found<'f>>
+    where
+        'a: 'f,
+    {
+        let Field::File(value) = fields.get("shader") else { return None };
+        self.shaders.follow(value).filter(|found| found.class.ends_with(".SunSkyLight"))
+    }
+
+    fn sky(
+        &mut self,
+        site: &Site,
+        fields: &Fields<'_>,
+        sun_sky: Option<Found<'_>>,
+        material: MaterialId,
+    ) -> Result<(), ReadError> {
+        if let Some(Found { class, members, line }) = sun_sky {
+            let object = LightObject { graph: self.graph, members, class };
+            match daylight::daylight(&object, line, &mut self.out)? {
+                DaylightValue::Sky(daylight) => self.set_sky(site, SkyRadiance::Daylight(daylight)),
+                DaylightValue::Unusable(reason) => self.skip(site.node, reason),
             }
-            _ => self.graph.values.type_of(v),
-        });
-        if class.is_some_and(|class| class.ends_with(".SunSkyLight")) {
-            self.skip(site.node, "skies with a SunSkyLight are not supported yet");
             return Ok(());
         }
         let power_density = fields.number("powerDensity", 50.0)?;
         if !power_density.is_finite() || power_density < 0.0 {
             self.skip(site.node, "its powerDensity is negative or not a number");
-        } else if self.out.scene.sky.is_some() {
-            self.skip(site.node, "there is another sky before it");
         } else {
-            let radiance = lights::sky_radiance(power_density, self.shaders.mean(material));
-            let origin = self.origin(site.node);
-            self.out.scene.sky = Some(Sky { radiance, origin });
-            self.has_light = true;
+            self.set_sky(site, lights::sky_radiance(power_density, material, &self.out.scene));
         }
         Ok(())
+    }
+
+    /// A scene has one sky: the first one.
+    fn set_sky(&mut self, site: &Site, radiance: SkyRadiance) {
+        if self.out.scene.sky.is_some() {
+            self.skip(site.node, "there is another sky before it");
+        } else if !shapes::is_invertible(&site.frames.own) {
+            self.skip(site.node, "its transformation is flat or not a number");
+        } else {
+            let origin = self.origin(site.node);
+            // A sky that does not shine is no light; then the default light is added (unverified).
+            self.has_light |= match &radiance {
+                SkyRadiance::Daylight(daylight) => daylight.shines,
+                SkyRadiance::Uniform(_) | SkyRadiance::Channel { .. } => true,
+            };
+            self.out.scene.sky = Some(Sky { radiance, world_from_sky: site.frames.own, origin });
+        }
     }
 
     fn add_default_light(&mut self) {

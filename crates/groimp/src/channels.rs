@@ -84,6 +84,11 @@ impl<'a> Channels<'a> {
         }
     }
 
+    /// Contents of a file of the project.
+    pub fn read_file(&mut self, file: &str) -> Result<Option<Vec<u8>>, ReadError> {
+        self.images.read_file(file)
+    }
+
     /// A Phong shader from its fields in the file.
     pub fn phong(&mut self, fields: Members, out: &mut Output) -> Result<(Phong, Mean), ReadError> {
         let mut phong = self.plain_phong(self.graph.values.find(fields, "diffuse").is_some(), out);

@@ -38,6 +38,11 @@ impl Images {
         self.0.borrow().files.get(registry_path).cloned()
     }
 
+    /// Contents of any file of the project.
+    pub fn read_file(&mut self, file: &str) -> Result<Option<Vec<u8>>, ReadError> {
+        self.0.borrow_mut().archive.read(file)
+    }
+
     /// The picture in a file of the project; `None`, with a warning, if it is missing or broken.
     pub fn load(
         &mut self,

@@ -1,12 +1,16 @@
-//! Lights: point, spot, directional, area lights and plain skies.
+//! Lights: point, spot, directional, physical, ambient and area lights, and skies with a plain shader.
 
 use crate::ReadError;
 use crate::channels::color_of;
+use crate::daylight::{self, DaylightValue};
+use crate::distributions::Distributions;
 use crate::fields::{Field, Fields, number_of};
 use crate::graph::Graph;
-use crate::values::{Kind, Value};
+use crate::output::Output;
+use crate::shaders::Shaders;
+use crate::values::{Kind, Members, Value};
 use glam::{DAffine3, DVec3};
-use scene::{Camera, Emission, LightKind, Rgb};
+use scene::{Camera, Daylight, Emission, LightKind, Material, MaterialId, Rgb, Scene, SkyRadiance};
 
 /// What a light value turned out to be.
 pub(crate) enum LightValue {
@@ -16,9 +20,16 @@ pub(crate) enum LightValue {
         kind: LightKind,
         shadowless: bool,
     },
+    /// An AmbientLight of that colour.
+    Ambient(Rgb),
+    /// A SunSkyLight.
+    Sky(Daylight),
     /// Class and reason.
     Skipped(String, &'static str),
 }
+
+/// Lights wrap lights; a longer chain is a cycle.
+const LONGEST_CHAIN: usize = 16;
 
 /// The emission of a light of that power: a brighter colour does not add power.
 pub(crate) fn share(power: f64, color: Rgb) -> Rgb {
@@ -27,42 +38,56 @@ pub(crate) fn share(power: f64, color: Rgb) -> Rgb {
 }
 
 /// The light of a LightNode.
-pub(crate) fn light(fields: &Fields<'_>) -> Result<LightValue, ReadError> {
+pub(crate) fn light(
+    fields: &Fields<'_>,
+    shaders: &mut Shaders<'_>,
+    distributions: &mut Distributions,
+    out: &mut Output,
+) -> Result<LightValue, ReadError> {
     let white_point = LightKind::Point { power: share(100.0, [1.0; 3]) };
     let Field::File(value) = fields.get("light") else {
         return Ok(LightValue::Light { kind: white_point, shadowless: false });
     };
-    if value.kind == Kind::Null {
-        return Ok(LightValue::None);
+    let graph = fields.graph;
+    let mut value = value;
+    // What a SpectralLight around it says.
+    let mut spectral_power = None;
+    for _ in 0..LONGEST_CHAIN {
+        if value.kind == Kind::Null {
+            return Ok(LightValue::None);
+        }
+        let Some(found) = shaders.follow(value) else {
+            return Ok(LightValue::Skipped("LightNode".to_owned(), "its light is not in the file"));
+        };
+        let class = if found.class.is_empty() { "de.grogra.imp3d.objects.PointLight" } else { found.class };
+        let object = Object { graph, members: found.members, class };
+        if !class.ends_with(".SpectralLight") {
+            return object.light(found.line, spectral_power, shaders, distributions, out);
+        }
+        out.report.warn(
+            "the spectrum of a SpectralLight is taken as white; its power and the light in it are used",
+            graph.location(found.line),
+        );
+        let power = object.number("power", 100.0)?;
+        spectral_power = spectral_power.or(Some(power));
+        match graph.values.find(found.members, "light") {
+            Some(inner) => value = inner,
+            None => return Ok(checked(LightKind::Point { power: share(power, [1.0; 3]) }, false, class)),
+        }
     }
-    let class = fields.graph.values.type_of(value).unwrap_or("de.grogra.imp3d.objects.PointLight");
-    let member = Members { graph: fields.graph, value, class };
-    let color = member.color()?;
-    let kind = match class.rsplit('.').next().unwrap_or("") {
-        "PointLight" => LightKind::Point { power: share(member.number("power", 100.0)?, color) },
-        "SpotLight" => {
-            let pi = std::f64::consts::PI;
-            let (inner, outer) =
-                (member.number("innerAngle", pi / 8.0)?, member.number("outerAngle", pi / 6.0)?);
-            if !inner.is_finite() || !outer.is_finite() {
-                return Ok(LightValue::Skipped(class.to_owned(), "an angle of its cone is not a number"));
-            }
-            let inner_angle = inner.clamp(0.0, pi);
-            let outer_angle = outer.clamp(inner_angle, pi);
-            LightKind::Spot { power: share(member.number("power", 100.0)?, color), inner_angle, outer_angle }
-        }
-        "DirectionalLight" => {
-            LightKind::Directional { irradiance: share(member.number("powerDensity", 10.0)?, color) }
-        }
-        _ => return Ok(LightValue::Skipped(class.to_owned(), "lights of this class are not supported yet")),
-    };
+    Ok(LightValue::Skipped("LightNode".to_owned(), "its light contains itself"))
+}
+
+/// The light, unless its power is no power.
+fn checked(kind: LightKind, shadowless: bool, class: &str) -> LightValue {
     let (LightKind::Point { power }
     | LightKind::Spot { power, .. }
+    | LightKind::Physical { power, .. }
     | LightKind::Directional { irradiance: power }) = &kind;
     if !power.iter().all(|p| p.is_finite() && *p >= 0.0) {
-        return Ok(LightValue::Skipped(class.to_owned(), "its power is negative or not a number"));
+        return LightValue::Skipped(class.to_owned(), "its power is negative or not a number");
     }
-    Ok(LightValue::Light { kind, shadowless: member.flag("shadowless") })
+    LightValue::Light { kind, shadowless }
 }
 
 /// The area light of a Parallelogram whose shader has the average colour `color`; an error text if it cannot
@@ -79,19 +104,38 @@ pub(crate) fn area_light(
     if !class.ends_with(".AreaLight") {
         return Ok(Some(Err(format!("its light of class '{class}' is not supported yet"))));
     }
-    let member = Members { graph: fields.graph, value, class };
-    let power = member.number("power", 100.0)?;
-    let exponent = member.number("exponent", 4.0)?;
+    let object = Object { graph: fields.graph, members: value.members, class };
+    let power = object.number("power", 100.0)?;
+    let exponent = object.number("exponent", 4.0)?;
     if !(power.is_finite() && power >= 0.0 && exponent.is_finite() && exponent >= 0.0) {
         return Ok(Some(Err("power or exponent of its light is negative or not a number".to_owned())));
     }
-    let shadowless = member.flag("shadowless");
+    let shadowless = object.flag("shadowless", false);
     Ok(Some(Ok(Emission { power: share(power, color), exponent, shadowless })))
 }
 
-/// Radiance of a sky with a plain shader.
-pub(crate) fn sky_radiance(power_density: f64, color: Rgb) -> Rgb {
-    color.map(|c| power_density * c / (12.0 * std::f64::consts::PI))
+/// Radiance of a sky with an ordinary shader: a diffuse colour or picture. What else the shader does is unverified
+/// and left out.
+pub(crate) fn sky_radiance(power_density: f64, material: MaterialId, scene: &Scene) -> SkyRadiance {
+    // A third for each channel, over π, and GroIMP's factor ¼.
+    let factor = power_density / (12.0 * std::f64::consts::PI);
+    let uniform = |color: Rgb| SkyRadiance::Uniform(color.map(|c| (factor * c).max(0.0)));
+    let shown = match &scene.materials[material.index()] {
+        // Which side of the sky is seen is unverified.
+        Material::SideSwitch { front, .. } => &scene.materials[front.index()],
+        material => material,
+    };
+    match shown {
+        Material::Rgba { color, opacity: _ } => uniform(*color),
+        Material::SideSwitch { .. } => uniform([0.0; 3]),
+        Material::Phong(phong) => match phong.diffuse {
+            None => uniform([0.0; 3]),
+            Some(channel) => match &scene.channels[channel.index()] {
+                scene::Channel::Constant(color) => uniform(*color),
+                _ => SkyRadiance::Channel { channel, factor },
+            },
+        },
+    }
 }
 
 /// The light that GroIMP's renderers add to a scene without one: its kind and its placement.
@@ -104,24 +148,75 @@ pub(crate) fn default_light(camera: &Camera) -> (LightKind, DAffine3) {
     (kind, camera.view_from_world.inverse() * view_from_light)
 }
 
-/// Fields of a light, which is a value and not a node.
-struct Members<'a> {
-    graph: &'a Graph,
-    value: &'a Value,
-    class: &'a str,
+/// Fields of a light, which is a value as a rule and no node of the tree.
+pub(crate) struct Object<'a> {
+    pub graph: &'a Graph,
+    pub members: Members,
+    pub class: &'a str,
 }
 
-impl Members<'_> {
-    fn find(&self, name: &str) -> Option<&Value> {
-        self.graph.values.find(self.value.members, name)
+impl Object<'_> {
+    fn light(
+        &self,
+        line: usize,
+        spectral_power: Option<f64>,
+        shaders: &mut Shaders<'_>,
+        distributions: &mut Distributions,
+        out: &mut Output,
+    ) -> Result<LightValue, ReadError> {
+        // In a SpectralLight the spectrum stands for the colour.
+        let color = if spectral_power.is_some() { [1.0; 3] } else { self.color()? };
+        let power = |name, default| match spectral_power {
+            Some(power) => Ok(share(power, color)),
+            None => Ok(share(self.number(name, default)?, color)),
+        };
+        let kind = match self.class.rsplit('.').next().unwrap_or("") {
+            "PointLight" => LightKind::Point { power: power("power", 100.0)? },
+            "SpotLight" => {
+                let pi = std::f64::consts::PI;
+                let (inner, outer) =
+                    (self.number("innerAngle", pi / 8.0)?, self.number("outerAngle", pi / 6.0)?);
+                if !inner.is_finite() || !outer.is_finite() {
+                    let reason = "an angle of its cone is not a number";
+                    return Ok(LightValue::Skipped(self.class.to_owned(), reason));
+                }
+                let inner_angle = inner.clamp(0.0, pi);
+                let outer_angle = outer.clamp(inner_angle, pi);
+                LightKind::Spot { power: power("power", 100.0)?, inner_angle, outer_angle }
+            }
+            "DirectionalLight" => LightKind::Directional { irradiance: power("powerDensity", 10.0)? },
+            "PhysicalLight" => {
+                let power = power("power", 100.0)?;
+                match distributions.of_light(self, line, shaders, out)? {
+                    Some(distribution) => LightKind::Physical { power, distribution },
+                    None => LightKind::Point { power },
+                }
+            }
+            "AmbientLight" if color.iter().all(|c| c.is_finite()) => return Ok(LightValue::Ambient(color)),
+            "SunSkyLight" => {
+                return Ok(match daylight::daylight(self, line, out)? {
+                    DaylightValue::Sky(daylight) => LightValue::Sky(daylight),
+                    DaylightValue::Unusable(reason) => LightValue::Skipped(self.class.to_owned(), reason),
+                });
+            }
+            _ => {
+                let reason = "lights of this class are not supported yet";
+                return Ok(LightValue::Skipped(self.class.to_owned(), reason));
+            }
+        };
+        Ok(checked(kind, self.flag("shadowless", false), self.class))
     }
 
-    fn number(&self, name: &str, default: f64) -> Result<f64, ReadError> {
+    pub fn find(&self, name: &str) -> Option<&Value> {
+        self.graph.values.find(self.members, name)
+    }
+
+    pub fn number(&self, name: &str, default: f64) -> Result<f64, ReadError> {
         self.find(name).map_or(Ok(default), |value| number_of(self.graph, value, self.class, name))
     }
 
-    fn flag(&self, name: &str) -> bool {
-        self.find(name).is_some_and(|value| value.text() == "true")
+    pub fn flag(&self, name: &str, default: bool) -> bool {
+        self.find(name).map_or(default, |value| value.text() == "true")
     }
 
     fn color(&self) -> Result<Rgb, ReadError> {

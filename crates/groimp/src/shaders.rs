@@ -3,7 +3,7 @@
 use crate::ReadError;
 use crate::channels::{Channels, Mean};
 use crate::fields::{number_of, wrong_value};
-use crate::graph::{Graph, NodeIndex};
+use crate::graph::{Graph, Node, NodeIndex};
 use crate::images::Images;
 use crate::modules::StaticShader;
 use crate::output::Output;
@@ -158,6 +158,80 @@ impl<'a> Shaders<'a> {
         Ok(Some(self.predefined(GRAY, out)))
     }
 
+    /// The object that a value is or refers to, through names and shared objects; `None` if there is none.
+    pub fn follow<'s>(&self, value: &'s Value) -> Option<Found<'s>>
+    where
+        'a: 's,
+    {
+        let mut value = value;
+        for _ in 0..LONGEST_CHAIN {
+            let node = match value.kind {
+                Kind::Null => return None,
+                Kind::Ref => self.graph.by_id(value.text().parse().ok()?)?,
+                Kind::Shared => self.shared(value.text())?,
+                Kind::Data | Kind::Object | Kind::Array | Kind::Serialized => {
+                    let class = self.graph.values.type_of(value).unwrap_or("");
+                    let found = Found { class, members: value.members, line: value.line };
+                    match self.next(&found) {
+                        Next::Value(next) => value = next,
+                        Next::Nothing => return None,
+                        Next::Node(node) => match self.at_node(node) {
+                            Ok(found) => return Some(found),
+                            Err(next) => value = next?,
+                        },
+                        Next::Arrived => return Some(found),
+                    }
+                    continue;
+                }
+            };
+            match self.at_node(node) {
+                Ok(found) => return Some(found),
+                Err(next) => value = next?,
+            }
+        }
+        None
+    }
+
+    /// The object at a node, or the value that it refers to instead.
+    fn at_node(&self, node: NodeIndex) -> Result<Found<'a>, Option<&'a Value>> {
+        let mut node = node;
+        for _ in 0..LONGEST_CHAIN {
+            let Node { fields, line, .. } = *self.graph.node(node);
+            let found = Found { class: self.graph.type_name(node), members: fields, line };
+            match self.next(&found) {
+                Next::Arrived => return Ok(found),
+                Next::Value(value) => return Err(Some(value)),
+                Next::Node(next) => node = next,
+                Next::Nothing => break,
+            }
+        }
+        Err(None)
+    }
+
+    fn next(&self, found: &Found<'_>) -> Next<'a> {
+        let present = |name| self.graph.values.find(found.members, name).filter(|v| v.kind != Kind::Null);
+        let to = |value: Option<&'a Value>| value.map_or(Next::Nothing, Next::Value);
+        match found.class.rsplit('.').next().unwrap_or("") {
+            "SharedObjectNode" => to(present("object")),
+            "AlgorithmSwitchShader" => to(present("raytracerShader").or(present("guiShader"))),
+            "ShaderRef" | "MaterialRef" => {
+                let named = present("name").and_then(|name| self.named(name.text()));
+                named.map_or(Next::Nothing, Next::Node)
+            }
+            _ => Next::Arrived,
+        }
+    }
+
+    /// The project's file that a registry path names.
+    pub fn file_of(&self, path: &str) -> Option<String> {
+        self.registry.files.get(path).cloned()
+    }
+
+    /// Contents of a file of the project.
+    pub fn read_file(&mut self, file: &str) -> Result<Option<Vec<u8>>, ReadError> {
+        self.channels.read_file(file)
+    }
+
     fn value<'s>(&mut self, value: &'s Value, out: &mut Output) -> Result<Step<'s>, ReadError>
     where
         'a: 's,
@@ -280,6 +354,11 @@ impl<'a> Shaders<'a> {
                     _ => Step::Done(Some(self.predefined(GRAY, out))),
                 })
             }
+            "SunSkyLight" => {
+                let message = "a SunSkyLight on a surface is drawn in its average colour";
+                out.report.warn(message, self.graph.location(line));
+                Ok(Step::Done(Some(self.rgba([128.0 / 255.0, 128.0 / 255.0, 1.0, 1.0], out))))
+            }
             "ShaderRef" | "MaterialRef" => {
                 let name = find("name").map(|v| v.text().to_owned()).unwrap_or_default();
                 Ok(self.by_name(&name, out))
@@ -384,4 +463,21 @@ enum Step<'a> {
     Done(Option<MaterialId>),
     Follow(ShaderSource<'a>),
     Sides { front: ShaderSource<'a>, back: ShaderSource<'a> },
+}
+
+/// An object of the file.
+pub(crate) struct Found<'a> {
+    /// Empty if the file does not say.
+    pub class: &'a str,
+    pub members: Members,
+    pub line: usize,
+}
+
+/// Where an object leads that stands for another one.
+enum Next<'a> {
+    /// It stands for itself.
+    Arrived,
+    Value(&'a Value),
+    Node(NodeIndex),
+    Nothing,
 }

@@ -1,4 +1,4 @@
-//! Lights: choosing one, sampling it, and the densities that multiple importance sampling needs.
+//! Lights: sampling one, and the densities that multiple importance sampling needs.
 //!
 //! Formulas: materials-and-lights.md chapter 3. Densities are per solid angle; lights without extent have
 //! density 0 and are only ever sampled here.
@@ -9,6 +9,7 @@ use wgsl_rs::wgsl;
 pub mod kernel {
     use crate::records::kernel::*;
     use crate::shape::kernel::*;
+    use crate::sky::kernel::*;
     use crate::warp::kernel::*;
     use wgsl_rs::std::*;
 
@@ -23,13 +24,6 @@ pub mod kernel {
         pub weight: Vec3f,
         /// Density per solid angle, 0 for lights without extent.
         pub pdf: f32,
-    }
-
-    /// A chosen light and the probability with which it is chosen.
-    #[derive(Copy, Clone, Debug, Wgsl)]
-    pub struct LightChoice {
-        pub index: u32,
-        pub probability: f32,
     }
 
     /// Share of the core's intensity that a spot light emits at an angle with cosine `cos_angle`.
@@ -55,63 +49,28 @@ pub mod kernel {
         light.emission * pow(cos_angle, light.cos_inner)
     }
 
-    /// Estimate of the irradiance that a light causes at a point if nothing stands between; 0 only where the
-    /// light cannot contribute at all.
-    pub fn light_importance(light: LightRecord, point: Vec3f) -> f32 {
-        if light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY {
-            return light.importance;
-        }
-        if light.kind == LIGHT_AREA {
-            let from_light = point - (light.position + light.edge_v * 0.5);
-            if dot(from_light, light.axis) <= 0.0 {
-                return 0.0;
-            }
-            return light.importance / (dot(from_light, from_light) + light.cos_outer);
-        }
-        let from_light = point - light.position;
-        let squared = max(dot(from_light, from_light), 1.0e-20);
-        if light.kind == LIGHT_SPOT && dot(from_light, light.axis) <= light.cos_outer * sqrt(squared) {
-            return 0.0;
-        }
-        light.importance / squared
-    }
-
-    /// Sum of the importances of all lights at a point.
-    pub fn total_importance<S: SceneAccess + Copy>(scene: S, point: Vec3f) -> f32 {
-        let lights = S::header(scene).lights;
-        let mut total: f32 = 0.0;
-        #[wgsl_allow(non_literal_loop_bounds)]
-        for i in 0..lights {
-            total += light_importance(S::light(scene, i), point);
-        }
-        total
-    }
-
-    /// Chooses a light in proportion to its importance at a point; `total` is `total_importance` there.
-    pub fn choose_light<S: SceneAccess + Copy>(scene: S, point: Vec3f, total: f32, u: f32) -> LightChoice {
-        let lights = S::header(scene).lights;
-        let mut rest = u * total;
-        let mut choice = LightChoice { index: NONE, probability: 0.0 };
-        #[wgsl_allow(non_literal_loop_bounds)]
-        for i in 0..lights {
-            let importance = light_importance(S::light(scene, i), point);
-            // The last light that can contribute is taken when rounding leaves a rest.
-            if rest >= 0.0 && importance > 0.0 {
-                choice = LightChoice { index: i, probability: importance / total };
-            }
-            rest -= importance;
-        }
-        choice
-    }
-
-    /// Density with which the sky is sampled in `direction` at a surface: by the cosine, on the side of `normal`
-    /// or on both.
-    pub fn sky_pdf(normal: Vec3f, direction: Vec3f, both_sides: bool) -> f32 {
-        let cosine = dot(normal, direction);
-        if both_sides {
-            return 0.5 * abs(cosine) * INVERSE_PI;
-        }
-        cosine_hemisphere_pdf(cosine)
+    /// Share of its power per solid angle that a physical light sends in a world direction: interpolated in its
+    /// table, whose entries hold the corners of the cells.
+    pub fn distribution_density<S: SceneAccess + Copy>(
+        scene: S,
+        light: LightRecord,
+        direction: Vec3f,
+    ) -> f32 {
+        let columns = light.count & 65535u32;
+        let rows = light.count >> 16u32;
+        let local = to_light_axes(light, direction);
+        let x = acos(clamp(local.z, -1.0, 1.0)) * INVERSE_PI * f32(columns);
+        // The table starts at the azimuth -π.
+        let turn = turn_fraction(local) + 0.5;
+        let y = (turn - floor(turn)) * f32(rows);
+        let column = min(u32(x), columns - 1u32);
+        let row = min(u32(y), rows - 1u32);
+        let wx = clamp(x - f32(column), 0.0, 1.0);
+        let wy = clamp(y - f32(row), 0.0, 1.0);
+        let corners = S::attribute(scene, light.first + row * columns + column);
+        let near = corners.x * (1.0 - wx) + corners.y * wx;
+        let far = corners.z * (1.0 - wx) + corners.w * wx;
+        near * (1.0 - wy) + far * wy
     }
 
     /// Density with which a point of an area light is sampled, seen from a distance under an angle with cosine
@@ -124,33 +83,15 @@ pub mod kernel {
         LightSample { direction: vec3f(0.0, 0.0, 1.0), distance: 0.0, weight: vec3f(0.0, 0.0, 0.0), pdf: 0.0 }
     }
 
-    /// Light that arrives at a surface point with unit normal `normal`.
-    pub fn sample_light(
+    /// Light that arrives at a surface point with unit normal `normal`, from a light that needs no table; from a
+    /// physical light as if its density were 1 everywhere.
+    pub fn sample_plain_light(
         light: LightRecord,
         point: Vec3f,
         normal: Vec3f,
         both_sides: bool,
         u: Vec2f,
     ) -> LightSample {
-        if light.kind == LIGHT_SKY {
-            let mut side = 1.0;
-            let mut first = u.x;
-            if both_sides {
-                // One number chooses the side and, stretched, the angle.
-                if first < 0.5 {
-                    first *= 2.0;
-                } else {
-                    first = min(first * 2.0 - 1.0, 0.99999994);
-                    side = -1.0;
-                }
-            }
-            let direction = around_axis(normal * side, cosine_hemisphere(vec2f(first, u.y)));
-            let pdf = sky_pdf(normal, direction, both_sides);
-            if pdf <= 0.0 {
-                return no_light();
-            }
-            return LightSample { direction, distance: NO_HIT, weight: light.emission * (1.0 / pdf), pdf };
-        }
         if light.kind == LIGHT_DIRECTIONAL {
             return LightSample {
                 direction: -light.axis,
@@ -158,6 +99,13 @@ pub mod kernel {
                 weight: light.emission,
                 pdf: 0.0,
             };
+        }
+        if light.kind == LIGHT_SKY || light.kind == LIGHT_SUN {
+            let mut sky = sample_sun(light, u);
+            if light.kind == LIGHT_SKY {
+                sky = sample_uniform_sky(normal, both_sides, u);
+            }
+            return from_sky(sky, light.emission);
         }
         let mut aim = light.position;
         if light.kind == LIGHT_AREA {
@@ -188,5 +136,38 @@ pub mod kernel {
             intensity *= spot_profile(cos_light, light.cos_inner, light.cos_outer);
         }
         LightSample { direction, distance, weight: intensity * (1.0 / squared), pdf: 0.0 }
+    }
+
+    /// Light of the given radiance from a direction that was drawn.
+    pub fn from_sky(sky: SkyDirection, radiance: Vec3f) -> LightSample {
+        if sky.pdf <= 0.0 {
+            return no_light();
+        }
+        LightSample {
+            direction: sky.direction,
+            distance: NO_HIT,
+            weight: radiance * (1.0 / sky.pdf),
+            pdf: sky.pdf,
+        }
+    }
+
+    /// Light that arrives at a surface point with unit normal `normal`.
+    pub fn sample_light<S: SceneAccess + Copy>(
+        scene: S,
+        light: LightRecord,
+        point: Vec3f,
+        normal: Vec3f,
+        both_sides: bool,
+        u: Vec2f,
+    ) -> LightSample {
+        if light.kind == LIGHT_SKY_MAP || light.kind == LIGHT_DAYLIGHT {
+            let sky = sample_table::<S>(scene, light, u);
+            return from_sky(sky, distant_radiance::<S>(scene, light, sky.direction));
+        }
+        let mut sample = sample_plain_light(light, point, normal, both_sides, u);
+        if light.kind == LIGHT_PHYSICAL {
+            sample.weight *= distribution_density::<S>(scene, light, -sample.direction);
+        }
+        sample
     }
 }

@@ -12,11 +12,13 @@ pub mod kernel {
     use crate::camera::kernel::*;
     use crate::hit::kernel::*;
     use crate::light::kernel::*;
+    use crate::light_tree::kernel::*;
     use crate::medium::kernel::*;
     use crate::mesh::kernel::*;
     use crate::random::kernel::*;
     use crate::records::kernel::*;
     use crate::shape::kernel::*;
+    use crate::sky::kernel::*;
     use crate::traversal::kernel::*;
     use crate::warp::kernel::*;
     use wgsl_rs::std::*;
@@ -34,11 +36,12 @@ pub mod kernel {
     #[derive(Copy, Clone, Debug, Wgsl)]
     pub struct PathVertex {
         pub position: Vec3f,
+        pub normal: Vec3f,
+        /// Whether light was sampled on both sides.
+        pub both_sides: bool,
         /// Density with which the direction was drawn; 0 at the camera and behind ideal mirrors, where no light
         /// sampling competes.
         pub pdf: f32,
-        /// Density with which sampling the sky would have drawn the direction.
-        pub sky_pdf: f32,
         /// Sum of the importances of all lights here.
         pub importance: f32,
     }
@@ -58,15 +61,28 @@ pub mod kernel {
         power_heuristic(previous.pdf, light_pdf)
     }
 
-    /// Radiance of the sky that a ray escapes to.
-    pub fn escaped_radiance<S: SceneAccess + Copy>(scene: S, previous: PathVertex) -> Vec3f {
-        let header = S::header(scene);
-        if header.sky == NONE {
-            return vec3f(0.0, 0.0, 0.0);
+    /// Radiance of the skies that a ray escapes to.
+    pub fn escaped_radiance<S: SceneAccess + Copy>(
+        scene: S,
+        previous: PathVertex,
+        direction: Vec3f,
+    ) -> Vec3f {
+        let lights = S::header(scene).distant_lights;
+        let mut sum = vec3f(0.0, 0.0, 0.0);
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for i in 0..lights {
+            let light = S::light(scene, i);
+            // A light without importance is only seen and lights nothing.
+            if previous.pdf <= 0.0 || light.importance > 0.0 {
+                let radiance = distant_radiance::<S>(scene, light, direction);
+                if !is_dark(radiance) {
+                    let choice = light.importance / max(previous.importance, 1.0e-20);
+                    let pdf = distant_pdf::<S>(scene, light, previous.normal, previous.both_sides, direction);
+                    sum += radiance * found_light_weight(previous, pdf * choice);
+                }
+            }
         }
-        let sky = S::light(scene, header.sky);
-        let choice = sky.importance / max(previous.importance, 1.0e-20);
-        sky.emission * found_light_weight(previous, previous.sky_pdf * choice)
+        sum
     }
 
     /// Radiance of a lamp that a ray runs into; `cos_light` is the cosine at the lamp's front.
@@ -87,7 +103,7 @@ pub mod kernel {
             return vec3f(0.0, 0.0, 0.0);
         }
         let way = position - previous.position;
-        let choice = light_importance(light, previous.position) / max(previous.importance, 1.0e-20);
+        let choice = light_probability::<S>(scene, index, previous.position, previous.importance);
         radiance * found_light_weight(previous, area_pdf(light, dot(way, way), cos_light) * choice)
     }
 
@@ -108,7 +124,7 @@ pub mod kernel {
         }
         let light = S::light(scene, choice.index);
         let both_sides = transmits(bsdf);
-        let sample = sample_light(light, point.position, normal, both_sides, vec2f(u.y, u.z));
+        let sample = sample_light::<S>(scene, light, point.position, normal, both_sides, vec2f(u.y, u.z));
         let value = evaluate_bsdf(bsdf, normal, wo, sample.direction) * sample.weight;
         if is_dark(value) || !same_side(point, normal, wo, sample.direction) {
             return result;
@@ -138,7 +154,13 @@ pub mod kernel {
         let mut ray = first;
         let mut touched: u32 = 0;
         let mut media = empty_space();
-        let mut previous = PathVertex { position: first.origin, pdf: 0.0, sky_pdf: 0.0, importance: 0.0 };
+        let mut previous = PathVertex {
+            position: first.origin,
+            normal: first.direction,
+            both_sides: false,
+            pdf: 0.0,
+            importance: 0.0,
+        };
 
         #[wgsl_allow(non_literal_loop_bounds)]
         for segment in 0..MAX_SEGMENTS {
@@ -146,7 +168,7 @@ pub mod kernel {
             let hit = closest_hit::<S>(scene, ray, key, segment);
             result.rays += 1;
             if hit.object == NONE {
-                result.radiance += throughput * escaped_radiance::<S>(scene, previous);
+                result.radiance += throughput * escaped_radiance::<S>(scene, previous, ray.direction);
                 return result;
             }
             let shape = S::shape(scene, hit.object);
@@ -221,8 +243,9 @@ pub mod kernel {
                 touched += 1;
                 previous = PathVertex {
                     position: point.position,
+                    normal,
+                    both_sides: transmits(bsdf),
                     pdf: sample.pdf,
-                    sky_pdf: sky_pdf(normal, sample.direction, transmits(bsdf)),
                     importance,
                 };
             }

@@ -167,33 +167,57 @@ pub mod kernel {
     pub const LIGHT_SPOT: u32 = 1;
     pub const LIGHT_DIRECTIONAL: u32 = 2;
     pub const LIGHT_AREA: u32 = 3;
+    /// A sky with the same radiance everywhere.
     pub const LIGHT_SKY: u32 = 4;
+    /// A sky whose radiance is a channel.
+    pub const LIGHT_SKY_MAP: u32 = 5;
+    /// A clear sky without its sun.
+    pub const LIGHT_DAYLIGHT: u32 = 6;
+    /// The disc of the sun.
+    pub const LIGHT_SUN: u32 = 7;
+    /// A point with a table of intensities.
+    pub const LIGHT_PHYSICAL: u32 = 8;
+    /// No light itself, but all those that stand below it in the tree of lights.
+    pub const LIGHT_GROUP: u32 = 9;
 
-    /// A light source: 80 bytes.
+    /// A light source, or a group of them: 96 bytes.
     #[repr(C)]
     #[derive(Copy, Clone, Debug, Wgsl)]
     pub struct LightRecord {
-        /// Where it stands; for a parallelogram the middle of its base edge.
+        /// Where it stands; for a parallelogram the middle of its base edge, for a group its centre.
         pub position: Vec3f,
         pub kind: u32,
-        /// Unit axis along which it shines.
+        /// Unit axis along which it shines. Skies: their local z axis. Group: the mean axis of its lights.
         pub axis: Vec3f,
         /// 1 if nothing throws a shadow in its light.
         pub shadowless: u32,
         /// Point: intensity in W/sr. Spot: intensity of the core in W/sr. Directional: irradiance in W/m².
-        /// Area: radiance along the axis in W/(m² sr). Sky: radiance in W/(m² sr).
+        /// Area: radiance along the axis in W/(m² sr). Sky, sun: radiance in W/(m² sr). Sky map: radiance of the
+        /// colour 1. Physical: power in W.
         pub emission: Vec3f,
-        /// Spot: cosine of the inner angle. Area: exponent.
+        /// Spot: cosine of the inner angle. Area: exponent. Sun: 1 minus the cosine of half its angular size.
+        /// Group: squared radius of a sphere that holds its lights.
         pub cos_inner: f32,
-        /// Area: half of the base edge.
+        /// Area: half of the base edge. Skies, physical: local x axis.
         pub edge_u: Vec3f,
-        /// Spot: cosine of the outer angle. Area: its area in m².
+        /// Spot: cosine of the outer angle. Area: its area in m². Group: no light reaches points at a larger
+        /// angle from the axis, in radians.
         pub cos_outer: f32,
-        /// Area: the edge from base to far end.
+        /// Area: the edge from base to far end. Skies, physical: local y axis.
         pub edge_v: Vec3f,
-        /// Expected irradiance at unit distance (point, spot, area) or anywhere (directional, sky), for the
-        /// choice between lights.
+        /// Expected irradiance at unit distance (point, spot, area, physical, group) or anywhere (the others), for
+        /// the choice between lights.
         pub importance: f32,
+        /// Sky map, daylight, physical: where its table starts among the attributes. Group: its first child among
+        /// the lights.
+        pub first: u32,
+        /// Sky map, daylight, physical: columns of the table in the lower, rows in the upper 16 bits. Group: number
+        /// of its children.
+        pub count: u32,
+        /// The group to which it belongs, or `NONE`.
+        pub parent: u32,
+        /// Sky map: its channel. Daylight: where its coefficients start among the attributes.
+        pub program: u32,
     }
 
     pub const CAMERA_PERSPECTIVE: u32 = 0;
@@ -214,9 +238,11 @@ pub mod kernel {
         /// Objects with no bounds stand at the front of the object table.
         pub unbounded_objects: u32,
         pub nodes: u32,
+        /// Number of lights and groups of lights that belong to no group; they stand at the front of the light
+        /// table.
         pub lights: u32,
-        /// Index of the sky among the lights, or `NONE`.
-        pub sky: u32,
+        /// Number of lights infinitely far away, which come first.
+        pub distant_lights: u32,
     }
 
     /// What is the same for one launch; a uniform on the GPU.
@@ -344,7 +370,7 @@ plain_old_data! {
     ObjectRecord: 32,
     MaterialRecord: 12,
     ChannelRecord: 8,
-    LightRecord: 20,
+    LightRecord: 24,
     SceneHeader: 20,
     LaunchSettings: 12,
     FilmPixel: 8,

@@ -79,8 +79,8 @@ impl LoadedScene for CpuScene {
 
 /// The kernels' view of a scene in main memory.
 #[derive(Clone, Copy)]
-struct Slices<'a> {
-    scene: &'a CompiledScene,
+pub(crate) struct Slices<'a> {
+    pub scene: &'a CompiledScene,
 }
 
 impl SceneAccess for Slices<'_> {

@@ -20,9 +20,11 @@ use wgsl_rs::wgsl;
 pub mod probes {
     use kernels::bsdf::kernel::*;
     use kernels::light::kernel::*;
+    use kernels::light_tree::kernel::*;
     use kernels::random::kernel::*;
     use kernels::records::kernel::*;
     use kernels::shape::kernel::*;
+    use kernels::sky::kernel::*;
     use kernels::tone::kernel::*;
     use kernels::traversal::kernel::*;
     use kernels::warp::kernel::*;
@@ -30,7 +32,7 @@ pub mod probes {
 
     storage!(group(0), binding(0), read_write, RESULTS: RuntimeArray<Vec4f>);
 
-    pub const PROBES: u32 = 17;
+    pub const PROBES: u32 = 19;
     pub const INPUTS: u32 = 4096;
 
     /// A random point of the cube [-2, 2]³.
@@ -94,6 +96,10 @@ pub mod probes {
             cos_outer: 0.2,
             edge_v: v,
             importance: 1.0,
+            first: 0,
+            count: 0,
+            parent: NONE,
+            program: NONE,
         }
     }
 
@@ -125,7 +131,7 @@ pub mod probes {
         let r = random4(SampleKey { pixel: index, sample: 5, seed: 11 }, 28);
         let point = random_point(index, 29);
         let normal = random_direction(index, 30);
-        let sample = sample_light(light, point, normal, r.z < 0.5, vec2f(r.x, r.y));
+        let sample = sample_plain_light(light, point, normal, r.z < 0.5, vec2f(r.x, r.y));
         let w = sample.weight.x + sample.weight.y + light_importance(light, point) + sample.pdf;
         spread(sample.direction, w)
     }
@@ -169,6 +175,16 @@ pub mod probes {
             let inverse = inverse_direction(normal);
             let t = box_entry(random_point(index, 36), inverse, low, high, NO_HIT);
             return vec4f(select(t, -1.0, t >= NO_HIT), inverse.x * normal.x, inverse.y * normal.y, 0.0);
+        }
+        if which == 16u32 {
+            return probe_light(LIGHT_SUN, index);
+        }
+        if which == 17u32 {
+            let light = random_light(index, LIGHT_GROUP);
+            let a_to_d = vec4f(-1.0 - r.x, -0.3 - r.y, 5.0 * r.z, -2.5);
+            let sky = perez(a_to_d, r.w, 1.0 / (0.1 + r.x), 3.0 * r.y);
+            let color = rgb_from_xyz(vec3f(r.x, r.y, r.z));
+            return vec4f(light_importance(light, random_point(index, 29)), sky, color.x, color.z);
         }
         spread(power_cosine(vec2f(r.x, r.y), r.z * 100.0), power_cosine_pdf(r.w, r.z * 100.0))
     }

@@ -7,6 +7,7 @@
 //! on column vectors and are named `to_from`: `world_from_object * point_object = point_world`.
 
 mod camera;
+mod distribution;
 mod image;
 mod instance;
 mod light;
@@ -16,10 +17,11 @@ mod object;
 mod shape;
 
 pub use camera::{Camera, Projection};
+pub use distribution::Distribution;
 pub use glam::{DAffine3, DMat2, DMat3, DVec2, DVec3};
 pub use image::Image;
 pub use instance::{Group, GroupId, Instance};
-pub use light::{Light, LightKind, Sky};
+pub use light::{Daylight, Light, LightKind, Sky, SkyRadiance};
 pub use material::{Channel, ChannelId, CoordinateMap, Material, Phong};
 pub use mesh::{Mesh, VisibleSides};
 pub use object::{Emission, Interior, Object, Origin};
@@ -84,6 +86,9 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// What a ray sees that hits nothing; black when missing.
     pub sky: Option<Sky>,
+    /// Light that is the same everywhere and comes from nowhere, the sum of all ambient lights. It acts in the
+    /// ray tracer only; the path tracer computes real ambient light.
+    pub ambient: Rgb,
     /// Where the picture is taken from.
     pub camera: Camera,
     /// Names of the types that the objects had in the file they come from; see [`Origin`].

@@ -1,5 +1,5 @@
 use super::{CompileError, affine};
-use kernels::records::kernel::{CAMERA_PARALLEL, CAMERA_PERSPECTIVE, NONE, SceneHeader};
+use kernels::records::kernel::{CAMERA_PARALLEL, CAMERA_PERSPECTIVE, SceneHeader};
 use scene::{Camera, DAffine3, DVec3, Projection};
 
 /// The header with the camera filled in and all tables empty.
@@ -34,7 +34,7 @@ pub(super) fn compile_camera(
         unbounded_objects: 0,
         nodes: 0,
         lights: 0,
-        sky: NONE,
+        distant_lights: 0,
     })
 }
 

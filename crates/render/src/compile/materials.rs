@@ -12,6 +12,8 @@ use std::collections::HashMap;
 pub(super) struct Materials {
     pub records: Vec<MaterialRecord>,
     pub channels: Vec<ChannelRecord>,
+    /// For every channel of the scene, where its program starts.
+    pub channel_starts: Vec<u32>,
     pub texels: Vec<u32>,
     /// For every record, whether rays pass it somewhere.
     not_opaque: Vec<bool>,
@@ -83,8 +85,14 @@ pub(super) fn compile_materials(scene: &Scene) -> Result<Materials, CompileError
             not_opaque[index] = not_opaque[front.index()] || not_opaque[back.index()];
         }
     }
-    let filled = HashMap::new();
-    let mut all = Materials { records: materials, channels: records, texels, not_opaque, filled };
+    let mut all = Materials {
+        records: materials,
+        channels: records,
+        channel_starts: starts,
+        texels,
+        not_opaque,
+        filled: HashMap::new(),
+    };
     all.fill_bodies(scene);
     Ok(all)
 }

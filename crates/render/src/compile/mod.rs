@@ -3,7 +3,10 @@
 mod bvh;
 mod camera;
 mod channels;
+mod daylight;
+mod environment;
 mod instances;
+mod light_tree;
 mod lights;
 mod materials;
 mod objects;
@@ -13,9 +16,9 @@ mod unit_shapes;
 use crate::compile::materials::Materials;
 use crate::compile::objects::Objects;
 use kernels::records::kernel::{
-    BvhNode, ChannelRecord, LightRecord, MaterialRecord, NONE, ObjectRecord, SceneHeader,
+    BvhNode, ChannelRecord, LightRecord, MaterialRecord, ObjectRecord, SceneHeader,
 };
-use scene::{DAffine3, DVec3, Origin, Scene};
+use scene::{DAffine3, DVec3, LightKind, Origin, Scene};
 
 /// A scene in the form that devices take: flat tables of records, in 32-bit numbers, relative to an origin near
 /// the middle of the scene, so that a scene far from the origin of its coordinates renders as sharply as one
@@ -34,9 +37,10 @@ pub struct CompiledScene {
     pub channels: Vec<ChannelRecord>,
     /// Red, green, blue, alpha of all images, red in the lowest byte.
     pub texels: Vec<u32>,
-    /// All light sources, the sky included.
+    /// All light sources, the sky and the groups of the light tree included.
     pub lights: Vec<LightRecord>,
-    /// Normals and texture coordinates of triangles, found through `SurfaceRecord::attributes`.
+    /// Normals and texture coordinates of triangles, found through `SurfaceRecord::attributes`, and the tables of
+    /// lights, found through `LightRecord::first` and `LightRecord::program`.
     pub attributes: Vec<[f32; 4]>,
     /// What objects and instances come from, by `SurfaceRecord::source`.
     pub origins: Vec<Origin>,
@@ -89,6 +93,14 @@ pub enum CompileError {
         /// Position of the channel.
         channel: usize,
     },
+    /// A light's table is too large.
+    #[error("the intensity table of a light is {columns} x {rows}; at most 65535 x 65535 can be used")]
+    DistributionTooLarge {
+        /// Its polar angles.
+        columns: usize,
+        /// Its azimuths.
+        rows: usize,
+    },
     /// Instances within instances multiply to more than can be stored.
     #[error("the scene has more than {most} instances, counted through nested ones; use fewer of them")]
     TooManyInstances {
@@ -136,9 +148,10 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
     };
     let local_from_world = DAffine3::from_translation(-origin);
 
+    check_distributions(scene)?;
     let materials = materials::compile_materials(scene)?;
-    let lights = lights::compile_lights(scene, &local_from_world);
-    let Objects { scene: primitives, groups, attributes, origins, triangles } = objects::compile_objects(
+    let mut lights = lights::compile_lights(scene, &local_from_world, &materials.channel_starts);
+    let Objects { scene: primitives, groups, mut attributes, origins, triangles } = objects::compile_objects(
         scene,
         &placements,
         &local_from_world,
@@ -146,6 +159,7 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
         &lights.of_object,
         acceleration,
     )?;
+    lights.append_tables(&mut attributes);
     let hierarchy = bvh::arrange(primitives, groups, acceleration);
 
     let Materials { records: materials, channels, texels, .. } = materials;
@@ -153,10 +167,10 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
     let mut header = camera::compile_camera(&scene.camera, &local_from_world, local_bounds)?;
     header.unbounded_objects = count(hierarchy.unbounded);
     header.nodes = count(hierarchy.nodes.len());
-    header.lights = count(lights.records.len());
-    header.sky = lights.sky.unwrap_or(NONE);
+    header.lights = lights.top;
+    header.distant_lights = lights.distant;
 
-    Ok(CompiledScene {
+    let mut compiled = CompiledScene {
         header,
         nodes: hierarchy.nodes,
         objects: hierarchy.objects,
@@ -167,7 +181,21 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
         attributes,
         origins,
         triangles,
-    })
+    };
+    environment::add_sky_densities(&mut compiled);
+    Ok(compiled)
+}
+
+fn check_distributions(scene: &Scene) -> Result<(), CompileError> {
+    for light in &scene.lights {
+        if let LightKind::Physical { distribution, .. } = &light.kind {
+            let (columns, rows) = (distribution.columns(), distribution.rows());
+            if columns.max(rows) > usize::from(u16::MAX) {
+                return Err(CompileError::DistributionTooLarge { columns, rows });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// A table length as the kernels count it.

@@ -85,6 +85,11 @@ const LIGHT_SPOT: u32 = 1u;
 const LIGHT_DIRECTIONAL: u32 = 2u;
 const LIGHT_AREA: u32 = 3u;
 const LIGHT_SKY: u32 = 4u;
+const LIGHT_SKY_MAP: u32 = 5u;
+const LIGHT_DAYLIGHT: u32 = 6u;
+const LIGHT_SUN: u32 = 7u;
+const LIGHT_PHYSICAL: u32 = 8u;
+const LIGHT_GROUP: u32 = 9u;
 
 struct LightRecord {
     position: vec3f,
@@ -96,7 +101,11 @@ struct LightRecord {
     edge_u: vec3f,
     cos_outer: f32,
     edge_v: vec3f,
-    importance: f32
+    importance: f32,
+    first: u32,
+    count: u32,
+    parent: u32,
+    program: u32
 }
 const CAMERA_PERSPECTIVE: u32 = 0u;
 const CAMERA_PARALLEL: u32 = 1u;
@@ -110,7 +119,7 @@ struct SceneHeader {
     unbounded_objects: u32,
     nodes: u32,
     lights: u32,
-    sky: u32
+    distant_lights: u32
 }
 
 struct LaunchSettings {
@@ -1313,16 +1322,276 @@ fn transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32) -> vec3f {
     return passed;
 }
 
-struct LightSample {
+struct SkyDirection {
     direction: vec3f,
-    distance: f32,
-    weight: vec3f,
     pdf: f32
+}
+
+fn to_light_axes(light: LightRecord, direction: vec3f) -> vec3f {
+    return vec3f(dot(light.edge_u, direction), dot(light.edge_v, direction), dot(light.axis, direction));
+}
+
+fn out_of_light_axes(light: LightRecord, local: vec3f) -> vec3f {
+    return normalize((((light.edge_u * local.x) + (light.edge_v * local.y)) + (light.axis * local.z)));
+}
+
+fn perez(a_to_d: vec4f, e: f32, over_cos: f32, gamma: f32) -> f32 {
+    let cos_gamma = cos(gamma);
+    return ((1.0 + (a_to_d.x * exp((a_to_d.y * over_cos)))) * ((1.0 + (a_to_d.z * exp((a_to_d.w * gamma)))) + ((e * cos_gamma) * cos_gamma)));
+}
+
+fn rgb_from_xyz(xyz: vec3f) -> vec3f {
+    let rgb = vec3f((((3.2404542 * xyz.x) - (1.5371385 * xyz.y)) - (0.4985314 * xyz.z)), (((-0.9692660 * xyz.x) + (1.8760108 * xyz.y)) + (0.0415560 * xyz.z)), (((0.0556434 * xyz.x) - (0.2040259 * xyz.y)) + (1.0572252 * xyz.z)));
+    let lack = max(0.0, -smallest(rgb));
+    return (rgb + vec3f(lack, lack, lack));
+}
+
+fn is_in_sun(light: LightRecord, direction: vec3f) -> bool {
+    let chord = (direction + light.axis);
+    return (dot(chord, chord) <= (2.0 * light.cos_inner));
+}
+
+fn uniform_sky_pdf(normal: vec3f, direction: vec3f, both_sides: bool) -> f32 {
+    let cosine = dot(normal, direction);
+    if both_sides {
+        return ((0.5 * abs(cosine)) * INVERSE_PI);
+    }
+    return cosine_hemisphere_pdf(cosine);
+}
+
+fn sample_uniform_sky(normal: vec3f, both_sides: bool, u: vec2f) -> SkyDirection {
+    var side = 1.0;
+    var first = u.x;
+    if both_sides {
+        if (first < 0.5) {
+            first *= 2.0;
+        } else {
+            first = min(((first * 2.0) - 1.0), 0.99999994);
+            side = -1.0;
+        }
+    }
+    let direction = around_axis((normal * side), cosine_hemisphere(vec2f(first, u.y)));
+    return SkyDirection(direction, uniform_sky_pdf(normal, direction, both_sides));
+}
+
+fn sun_pdf(light: LightRecord) -> f32 {
+    return (1.0 / (TWO_PI * light.cos_inner));
+}
+
+fn sample_sun(light: LightRecord, u: vec2f) -> SkyDirection {
+    let versine = (u.x * light.cos_inner);
+    let sine = sqrt((versine * (2.0 - versine)));
+    let phi = (TWO_PI * u.y);
+    let local = vec3f((cos(phi) * sine), (sin(phi) * sine), (1.0 - versine));
+    return SkyDirection(around_axis(-light.axis, local), sun_pdf(light));
+}
+
+fn daylight_radiance_Buffers(scene: Buffers, program: u32, local: vec3f) -> vec3f {
+    if (local.z < 0.0) {
+        return vec3f(0.0, 0.0, 0.0);
+    }
+    let sun = Buffers_attribute(scene, program);
+    let e = Buffers_attribute(scene, (program + 4u));
+    let zenith = Buffers_attribute(scene, (program + 5u));
+    let gamma = acos(clamp(dot(vec3f(sun.x, sun.y, sun.z), local), -1.0, 1.0));
+    let over_cos = (1.0 / max(local.z, 0.001));
+    let luminance = (zenith.x * perez(Buffers_attribute(scene, (program + 1u)), e.x, over_cos, gamma));
+    let x = (zenith.y * perez(Buffers_attribute(scene, (program + 2u)), e.y, over_cos, gamma));
+    let y = (zenith.z * perez(Buffers_attribute(scene, (program + 3u)), e.z, over_cos, gamma));
+    let scale = (max(luminance, 0.0) / max(y, 1.0e-3));
+    return rgb_from_xyz(vec3f((x * scale), max(luminance, 0.0), (((1.0 - x) - y) * scale)));
+}
+
+fn distant_pdf_Buffers(
+    scene: Buffers,
+    light: LightRecord,
+    normal: vec3f,
+    both_sides: bool,
+    direction: vec3f,
+) -> f32 {
+    if (light.kind == LIGHT_SKY) {
+        return uniform_sky_pdf(normal, direction, both_sides);
+    }
+    if (light.kind == LIGHT_SUN) {
+        return sun_pdf(light);
+    }
+    if ((light.kind == LIGHT_SKY_MAP) || (light.kind == LIGHT_DAYLIGHT)) {
+        return table_pdf_Buffers(scene, light, direction);
+    }
+    return 0.0;
+}
+
+fn distant_radiance_Buffers(scene: Buffers, light: LightRecord, direction: vec3f) -> vec3f {
+    if (light.kind == LIGHT_SKY) {
+        return light.emission;
+    }
+    if (light.kind == LIGHT_SUN) {
+        if is_in_sun(light, direction) {
+            return light.emission;
+        }
+        return vec3f(0.0, 0.0, 0.0);
+    }
+    if ((light.kind == LIGHT_SKY_MAP) || (light.kind == LIGHT_DAYLIGHT)) {
+        let local = to_light_axes(light, direction);
+        if (light.kind == LIGHT_DAYLIGHT) {
+            return daylight_radiance_Buffers(scene, light.program, local);
+        }
+        let uv = vec2f(turn_fraction(local), (acos(clamp(-local.z, -1.0, 1.0)) * INVERSE_PI));
+        let color = channel_value_Buffers(scene, light.program, uv, vec4f(0.0, 0.0, 0.0, 1.0));
+        return (light.emission * max(vec3f(color.x, color.y, color.z), vec3f(0.0, 0.0, 0.0)));
+    }
+    return vec3f(0.0, 0.0, 0.0);
+}
+
+fn find_interval_Buffers(scene: Buffers, first: u32, count: u32, u: f32) -> u32 {
+    var low: u32 = 0u;
+    var high = (count - 1u);
+    while (low < high) {
+        let middle = ((low + high) / 2u);
+        if (Buffers_attribute(scene, (first + middle)).y > u) {
+            high = middle;
+        } else {
+            low = (middle + 1u);
+        }
+    }
+    return low;
+}
+
+fn sample_table_Buffers(scene: Buffers, light: LightRecord, u: vec2f) -> SkyDirection {
+    let columns = (light.count & 65535u);
+    let rows = (light.count >> 16u);
+    let row = find_interval_Buffers(scene, light.first, rows, u.x);
+    let band = Buffers_attribute(scene, (light.first + row));
+    let cells = ((light.first + rows) + (row * columns));
+    let column = find_interval_Buffers(scene, cells, columns, u.y);
+    let cell = Buffers_attribute(scene, (cells + column));
+    let down = clamp(((u.x - band.x) / max((band.y - band.x), 1.0e-20)), 0.0, 1.0);
+    let along = clamp(((u.y - cell.x) / max((cell.y - cell.x), 1.0e-20)), 0.0, 1.0);
+    let z = (1.0 - ((2.0 * (f32(row) + down)) / f32(rows)));
+    let local = polar_direction(clamp(z, -1.0, 1.0), ((f32(column) + along) / f32(columns)));
+    return SkyDirection(out_of_light_axes(light, local), cell.z);
+}
+
+fn table_pdf_Buffers(scene: Buffers, light: LightRecord, direction: vec3f) -> f32 {
+    let columns = (light.count & 65535u);
+    let rows = (light.count >> 16u);
+    let local = to_light_axes(light, direction);
+    let row = min(u32((max((0.5 * (1.0 - local.z)), 0.0) * f32(rows))), (rows - 1u));
+    let column = min(u32((turn_fraction(local) * f32(columns))), (columns - 1u));
+    return Buffers_attribute(scene, (((light.first + rows) + (row * columns)) + column)).z;
 }
 
 struct LightChoice {
     index: u32,
     probability: f32
+}
+
+fn group_importance(group: LightRecord, point: vec3f) -> f32 {
+    let way = (point - group.position);
+    let squared = dot(way, way);
+    if ((group.cos_outer < 3.1) && (squared > group.cos_inner)) {
+        let distance = sqrt(squared);
+        let angle = acos(clamp((dot(way, group.axis) / distance), -1.0, 1.0));
+        let spread = asin(clamp((sqrt(group.cos_inner) / distance), 0.0, 1.0));
+        if ((angle - spread) > group.cos_outer) {
+            return 0.0;
+        }
+    }
+    return (group.importance / max(max(squared, (0.25 * group.cos_inner)), 1.0e-20));
+}
+
+fn light_importance(light: LightRecord, point: vec3f) -> f32 {
+    if (light.kind == LIGHT_GROUP) {
+        return group_importance(light, point);
+    }
+    if (light.kind == LIGHT_AREA) {
+        let from_light = (point - (light.position + (light.edge_v * 0.5)));
+        if (dot(from_light, light.axis) <= 0.0) {
+            return 0.0;
+        }
+        return (light.importance / (dot(from_light, from_light) + light.cos_outer));
+    }
+    if (((light.kind == LIGHT_POINT) || (light.kind == LIGHT_SPOT)) || (light.kind == LIGHT_PHYSICAL)) {
+        let from_light = (point - light.position);
+        let squared = max(dot(from_light, from_light), 1.0e-20);
+        if ((light.kind == LIGHT_SPOT) && (dot(from_light, light.axis) <= (light.cos_outer * sqrt(squared)))) {
+            return 0.0;
+        }
+        return (light.importance / squared);
+    }
+    return light.importance;
+}
+
+fn choose_light_Buffers(scene: Buffers, point: vec3f, total: f32, u: f32) -> LightChoice {
+    let nothing = LightChoice(NONE, 0.0);
+    var choice = LightChoice(NONE, 1.0);
+    var first: u32 = 0u;
+    var count = Buffers_header(scene).lights;
+    var sum = total;
+    var left = u;
+    var descending = true;
+    while descending {
+        if (sum <= 0.0) {
+            return nothing;
+        }
+        var rest = (left * sum);
+        var chosen: f32 = 0.0;
+        var offset: f32 = 0.0;
+        for (var i = 0u; i < count; i++) {
+            let importance = light_importance(Buffers_light(scene, (first + i)), point);
+            if ((rest >= 0.0) && (importance > 0.0)) {
+                choice.index = (first + i);
+                chosen = importance;
+                offset = rest;
+            }
+            rest -= importance;
+        }
+        choice.probability = max((choice.probability * (chosen / sum)), 1.0e-30);
+        left = clamp((offset / chosen), 0.0, 0.99999994);
+        let light = Buffers_light(scene, choice.index);
+        descending = (light.kind == LIGHT_GROUP);
+        first = light.first;
+        count = light.count;
+        if descending {
+            sum = sum_of_importances_Buffers(scene, first, count, point);
+        }
+    }
+    return choice;
+}
+
+fn light_probability_Buffers(scene: Buffers, index: u32, point: vec3f, total: f32) -> f32 {
+    var probability: f32 = 1.0;
+    var at = index;
+    while (at != NONE) {
+        let light = Buffers_light(scene, at);
+        var sum = total;
+        if (light.parent != NONE) {
+            let group = Buffers_light(scene, light.parent);
+            sum = sum_of_importances_Buffers(scene, group.first, group.count, point);
+        }
+        probability *= (light_importance(light, point) / max(sum, 1.0e-30));
+        at = light.parent;
+    }
+    return probability;
+}
+
+fn sum_of_importances_Buffers(scene: Buffers, first: u32, count: u32, point: vec3f) -> f32 {
+    var total: f32 = 0.0;
+    for (var i = 0u; i < count; i++) {
+        total += light_importance(Buffers_light(scene, (first + i)), point);
+    }
+    return total;
+}
+
+fn total_importance_Buffers(scene: Buffers, point: vec3f) -> f32 {
+    return sum_of_importances_Buffers(scene, 0u, Buffers_header(scene).lights, point);
+}
+
+struct LightSample {
+    direction: vec3f,
+    distance: f32,
+    weight: vec3f,
+    pdf: f32
 }
 
 fn spot_profile(cos_angle: f32, cos_inner: f32, cos_outer: f32) -> f32 {
@@ -1346,33 +1615,6 @@ fn area_radiance(light: LightRecord, cos_angle: f32) -> vec3f {
     return (light.emission * pow(cos_angle, light.cos_inner));
 }
 
-fn light_importance(light: LightRecord, point: vec3f) -> f32 {
-    if ((light.kind == LIGHT_DIRECTIONAL) || (light.kind == LIGHT_SKY)) {
-        return light.importance;
-    }
-    if (light.kind == LIGHT_AREA) {
-        let from_light = (point - (light.position + (light.edge_v * 0.5)));
-        if (dot(from_light, light.axis) <= 0.0) {
-            return 0.0;
-        }
-        return (light.importance / (dot(from_light, from_light) + light.cos_outer));
-    }
-    let from_light = (point - light.position);
-    let squared = max(dot(from_light, from_light), 1.0e-20);
-    if ((light.kind == LIGHT_SPOT) && (dot(from_light, light.axis) <= (light.cos_outer * sqrt(squared)))) {
-        return 0.0;
-    }
-    return (light.importance / squared);
-}
-
-fn sky_pdf(normal: vec3f, direction: vec3f, both_sides: bool) -> f32 {
-    let cosine = dot(normal, direction);
-    if both_sides {
-        return ((0.5 * abs(cosine)) * INVERSE_PI);
-    }
-    return cosine_hemisphere_pdf(cosine);
-}
-
 fn area_pdf(light: LightRecord, squared_distance: f32, cos_light: f32) -> f32 {
     return (squared_distance / max((abs(cos_light) * light.cos_outer), 1.0e-20));
 }
@@ -1381,33 +1623,22 @@ fn no_light() -> LightSample {
     return LightSample(vec3f(0.0, 0.0, 1.0), 0.0, vec3f(0.0, 0.0, 0.0), 0.0);
 }
 
-fn sample_light(
+fn sample_plain_light(
     light: LightRecord,
     point: vec3f,
     normal: vec3f,
     both_sides: bool,
     u: vec2f,
 ) -> LightSample {
-    if (light.kind == LIGHT_SKY) {
-        var side = 1.0;
-        var first = u.x;
-        if both_sides {
-            if (first < 0.5) {
-                first *= 2.0;
-            } else {
-                first = min(((first * 2.0) - 1.0), 0.99999994);
-                side = -1.0;
-            }
-        }
-        let direction = around_axis((normal * side), cosine_hemisphere(vec2f(first, u.y)));
-        let pdf = sky_pdf(normal, direction, both_sides);
-        if (pdf <= 0.0) {
-            return no_light();
-        }
-        return LightSample(direction, NO_HIT, (light.emission * (1.0 / pdf)), pdf);
-    }
     if (light.kind == LIGHT_DIRECTIONAL) {
         return LightSample(-light.axis, NO_HIT, light.emission, 0.0);
+    }
+    if ((light.kind == LIGHT_SKY) || (light.kind == LIGHT_SUN)) {
+        var sky = sample_sun(light, u);
+        if (light.kind == LIGHT_SKY) {
+            sky = sample_uniform_sky(normal, both_sides, u);
+        }
+        return from_sky(sky, light.emission);
     }
     var aim = light.position;
     if (light.kind == LIGHT_AREA) {
@@ -1435,27 +1666,47 @@ fn sample_light(
     return LightSample(direction, distance, (intensity * (1.0 / squared)), 0.0);
 }
 
-fn choose_light_Buffers(scene: Buffers, point: vec3f, total: f32, u: f32) -> LightChoice {
-    let lights = Buffers_header(scene).lights;
-    var rest = (u * total);
-    var choice = LightChoice(NONE, 0.0);
-    for (var i = 0u; i < lights; i++) {
-        let importance = light_importance(Buffers_light(scene, i), point);
-        if ((rest >= 0.0) && (importance > 0.0)) {
-            choice = LightChoice(i, (importance / total));
-        }
-        rest -= importance;
+fn from_sky(sky: SkyDirection, radiance: vec3f) -> LightSample {
+    if (sky.pdf <= 0.0) {
+        return no_light();
     }
-    return choice;
+    return LightSample(sky.direction, NO_HIT, (radiance * (1.0 / sky.pdf)), sky.pdf);
 }
 
-fn total_importance_Buffers(scene: Buffers, point: vec3f) -> f32 {
-    let lights = Buffers_header(scene).lights;
-    var total: f32 = 0.0;
-    for (var i = 0u; i < lights; i++) {
-        total += light_importance(Buffers_light(scene, i), point);
+fn distribution_density_Buffers(scene: Buffers, light: LightRecord, direction: vec3f) -> f32 {
+    let columns = (light.count & 65535u);
+    let rows = (light.count >> 16u);
+    let local = to_light_axes(light, direction);
+    let x = ((acos(clamp(local.z, -1.0, 1.0)) * INVERSE_PI) * f32(columns));
+    let turn = (turn_fraction(local) + 0.5);
+    let y = ((turn - floor(turn)) * f32(rows));
+    let column = min(u32(x), (columns - 1u));
+    let row = min(u32(y), (rows - 1u));
+    let wx = clamp((x - f32(column)), 0.0, 1.0);
+    let wy = clamp((y - f32(row)), 0.0, 1.0);
+    let corners = Buffers_attribute(scene, ((light.first + (row * columns)) + column));
+    let near = ((corners.x * (1.0 - wx)) + (corners.y * wx));
+    let far = ((corners.z * (1.0 - wx)) + (corners.w * wx));
+    return ((near * (1.0 - wy)) + (far * wy));
+}
+
+fn sample_light_Buffers(
+    scene: Buffers,
+    light: LightRecord,
+    point: vec3f,
+    normal: vec3f,
+    both_sides: bool,
+    u: vec2f,
+) -> LightSample {
+    if ((light.kind == LIGHT_SKY_MAP) || (light.kind == LIGHT_DAYLIGHT)) {
+        let sky = sample_table_Buffers(scene, light, u);
+        return from_sky(sky, distant_radiance_Buffers(scene, light, sky.direction));
     }
-    return total;
+    var sample = sample_plain_light(light, point, normal, both_sides, u);
+    if (light.kind == LIGHT_PHYSICAL) {
+        sample.weight *= distribution_density_Buffers(scene, light, -sample.direction);
+    }
+    return sample;
 }
 
 fn placement_error(group_from_world: Affine, world_from_group: Affine, point: SurfacePoint) -> f32 {
@@ -1504,8 +1755,9 @@ struct PathSample {
 
 struct PathVertex {
     position: vec3f,
+    normal: vec3f,
+    both_sides: bool,
     pdf: f32,
-    sky_pdf: f32,
     importance: f32
 }
 const ROULETTE_START: u32 = 3u;
@@ -1535,7 +1787,7 @@ fn direct_light_Buffers(
     }
     let light = Buffers_light(scene, choice.index);
     let both_sides = transmits(bsdf);
-    let sample = sample_light(light, point.position, normal, both_sides, vec2f(u.y, u.z));
+    let sample = sample_light_Buffers(scene, light, point.position, normal, both_sides, vec2f(u.y, u.z));
     let value = (evaluate_bsdf(bsdf, normal, wo, sample.direction) * sample.weight);
     if (is_dark(value) || !same_side(point, normal, wo, sample.direction)) {
         return result;
@@ -1558,14 +1810,21 @@ fn direct_light_Buffers(
     return result;
 }
 
-fn escaped_radiance_Buffers(scene: Buffers, previous: PathVertex) -> vec3f {
-    let header = Buffers_header(scene);
-    if (header.sky == NONE) {
-        return vec3f(0.0, 0.0, 0.0);
+fn escaped_radiance_Buffers(scene: Buffers, previous: PathVertex, direction: vec3f) -> vec3f {
+    let lights = Buffers_header(scene).distant_lights;
+    var sum = vec3f(0.0, 0.0, 0.0);
+    for (var i = 0u; i < lights; i++) {
+        let light = Buffers_light(scene, i);
+        if ((previous.pdf <= 0.0) || (light.importance > 0.0)) {
+            let radiance = distant_radiance_Buffers(scene, light, direction);
+            if !is_dark(radiance) {
+                let choice = (light.importance / max(previous.importance, 1.0e-20));
+                let pdf = distant_pdf_Buffers(scene, light, previous.normal, previous.both_sides, direction);
+                sum += (radiance * found_light_weight(previous, (pdf * choice)));
+            }
+        }
     }
-    let sky = Buffers_light(scene, header.sky);
-    let choice = (sky.importance / max(previous.importance, 1.0e-20));
-    return (sky.emission * found_light_weight(previous, (previous.sky_pdf * choice)));
+    return sum;
 }
 
 fn lamp_radiance_Buffers(
@@ -1584,7 +1843,7 @@ fn lamp_radiance_Buffers(
         return vec3f(0.0, 0.0, 0.0);
     }
     let way = (position - previous.position);
-    let choice = (light_importance(light, previous.position) / max(previous.importance, 1.0e-20));
+    let choice = light_probability_Buffers(scene, index, previous.position, previous.importance);
     return (radiance * found_light_weight(previous, (area_pdf(light, dot(way, way), cos_light) * choice)));
 }
 
@@ -1616,12 +1875,12 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
     var ray = first;
     var touched: u32 = 0u;
     var media = empty_space();
-    var previous = PathVertex(first.origin, 0.0, 0.0, 0.0);
+    var previous = PathVertex(first.origin, first.direction, false, 0.0, 0.0);
     for (var segment = 0u; segment < MAX_SEGMENTS; segment++) {
         let hit = closest_hit_Buffers(scene, ray, key, segment);
         result.rays += 1u;
         if (hit.object == NONE) {
-            result.radiance += (throughput * escaped_radiance_Buffers(scene, previous));
+            result.radiance += (throughput * escaped_radiance_Buffers(scene, previous, ray.direction));
             return result;
         }
         let shape = Buffers_shape(scene, hit.object);
@@ -1676,7 +1935,7 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
         ray = Ray(offset_origin(point, sample.direction), sample.direction);
         if (sample.event != EVENT_PASSED) {
             touched += 1u;
-            previous = PathVertex(point.position, sample.pdf, sky_pdf(normal, sample.direction, transmits(bsdf)), importance);
+            previous = PathVertex(point.position, normal, transmits(bsdf), sample.pdf, importance);
         }
         if (touched >= ROULETTE_START) {
             let survival = min(largest(throughput), 0.95);

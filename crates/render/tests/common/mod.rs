@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test file uses a part")]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the failure report")]
 
+pub mod access;
 pub mod garden;
 
 use render::gpu::Gpu;
@@ -54,7 +55,7 @@ impl Builder {
     }
 
     pub fn sky(&mut self, radiance: Rgb) {
-        self.scene.sky = Some(Sky { radiance, origin: ORIGIN });
+        self.scene.sky = Some(Sky::uniform(radiance, ORIGIN));
     }
 
     /// A horizontal rectangle at `centre`; the front looks up or down.
