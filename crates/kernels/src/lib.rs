@@ -10,9 +10,13 @@
 #![allow(clippy::approx_constant, clippy::excessive_precision, clippy::manual_range_contains)]
 
 pub mod bsdf;
+pub mod bump;
 pub mod camera;
+pub mod channel;
+pub mod coordinates;
 pub mod light;
 pub mod mesh;
+pub mod noise;
 pub mod path;
 pub mod random;
 pub mod records;
@@ -20,4 +24,5 @@ pub mod shape;
 pub mod texture;
 pub mod tone;
 pub mod traversal;
+pub mod volume;
 pub mod warp;

@@ -9,7 +9,9 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod kernel {
     use crate::bsdf::kernel::*;
+    use crate::bump::kernel::*;
     use crate::camera::kernel::*;
+    use crate::coordinates::kernel::*;
     use crate::light::kernel::*;
     use crate::mesh::kernel::*;
     use crate::random::kernel::*;
@@ -154,7 +156,14 @@ pub mod kernel {
             let shape = S::shape(scene, hit.object);
             let surface = S::surface(scene, hit.object);
             let flat_point = surface_point(shape, surface, ray, hit.shape);
-            let point = with_attributes::<S>(scene, shape, surface, flat_point);
+            let mut point = with_attributes::<S>(scene, shape, surface, flat_point);
+            let material = S::material(scene, shape.material);
+            let mut at = uv_point(point.uv);
+            if material.uses_position != 0u32 || material.normal_map != NONE {
+                let p = hit_point(shape, ray, hit.shape);
+                at = texture_point::<S>(scene, shape, surface, material, p, point.uv);
+                point = with_normal_maps::<S>(scene, material, shape, surface, hit.shape.face, p, at, point);
+            }
             let wo = -ray.direction;
             let cos_front = dot(point.normal, wo);
             let normal = facing_normal(point, wo);
@@ -164,7 +173,7 @@ pub mod kernel {
                 result.radiance += throughput
                     * lamp_radiance::<S>(scene, surface.light, previous, point.position, cos_front);
             }
-            let bsdf = material_bsdf::<S>(scene, S::material(scene, shape.material), point.uv);
+            let bsdf = material_bsdf::<S>(scene, material, at);
             // Unverified for GroIMP's path tracer: emissive surfaces shine by themselves.
             result.radiance += throughput * bsdf.emissive;
             if touched >= depth {

@@ -8,6 +8,7 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod kernel {
     use crate::bsdf::kernel::*;
+    use crate::coordinates::kernel::*;
     use crate::mesh::kernel::*;
     use crate::random::kernel::*;
     use crate::records::kernel::*;
@@ -43,18 +44,20 @@ pub mod kernel {
         select(NO_HIT, t_in, t_in <= t_out * 1.0000004)
     }
 
-    /// Texture coordinates of a hit that is not yet known to count.
-    pub fn hit_uv<S: SceneAccess + Copy>(
+    /// Where channels are evaluated for a hit that is not yet known to count.
+    pub fn hit_texture_point<S: SceneAccess + Copy>(
         scene: S,
         index: u32,
         shape: ShapeRecord,
+        material: MaterialRecord,
         ray: Ray,
         hit: ShapeHit,
-    ) -> Vec2f {
+    ) -> TexturePoint {
         let p = hit_point(shape, ray, hit);
         let surface = S::surface(scene, index);
-        let uv = texture_coordinates(shape, surface.v_scale, hit.face, p);
-        attribute_uv::<S>(scene, shape, surface, uv)
+        let weights = texture_coordinates(shape, surface.v_scale, hit.face, p);
+        let uv = attribute_uv::<S>(scene, shape, surface, weights);
+        texture_point::<S>(scene, shape, surface, material, p, uv)
     }
 
     /// Joins an object to the closest hit so far. Partly transparent surfaces are met with the probability of
@@ -79,8 +82,9 @@ pub mod kernel {
             if (shape.kind & FLAG_NOT_OPAQUE) == 0u32 {
                 return Hit { shape: hit, object: index };
             }
-            let uv = hit_uv::<S>(scene, index, shape, ray, hit);
-            let opacity = surface_opacity::<S>(scene, S::material(scene, shape.material), uv);
+            let material = S::material(scene, shape.material);
+            let at = hit_texture_point::<S>(scene, index, shape, material, ray, hit);
+            let opacity = surface_opacity::<S>(scene, material, at);
             if opacity >= 1.0 {
                 return Hit { shape: hit, object: index };
             }
@@ -177,8 +181,9 @@ pub mod kernel {
             if (shape.kind & FLAG_NOT_OPAQUE) == 0u32 {
                 return vec3f(0.0, 0.0, 0.0);
             }
-            let uv = hit_uv::<S>(scene, index, shape, ray, hit);
-            passed *= surface_transmittance::<S>(scene, S::material(scene, shape.material), uv);
+            let material = S::material(scene, shape.material);
+            let at = hit_texture_point::<S>(scene, index, shape, material, ray, hit);
+            passed *= surface_transmittance::<S>(scene, material, at);
             t_min = hit.t;
         }
         passed

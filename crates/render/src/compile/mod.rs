@@ -5,7 +5,9 @@ mod camera;
 mod channels;
 mod lights;
 mod materials;
+mod noise;
 mod objects;
+mod texels;
 mod triangles;
 
 use crate::compile::materials::Materials;
@@ -33,7 +35,8 @@ pub struct CompiledScene {
     pub texels: Vec<u32>,
     /// All light sources, the sky included.
     pub lights: Vec<LightRecord>,
-    /// Normals and texture coordinates of triangles, found through `SurfaceRecord::attributes`.
+    /// Normals and texture coordinates of triangles, and frames for channels that look at the position, found
+    /// through `SurfaceRecord::attributes`.
     pub attributes: Vec<[f32; 4]>,
     triangles: usize,
 }
@@ -84,6 +87,17 @@ pub enum CompileError {
         /// Position of the channel.
         channel: usize,
     },
+    /// A channel nests too many blends and filters.
+    #[error(
+        "channel {channel} of the scene combines so many blends and filters that a point would take more than \
+         {} steps or {} pending tasks",
+        scene::Effort::MAX_STEPS,
+        scene::Effort::MAX_PENDING
+    )]
+    ChannelTooComplex {
+        /// Position of the channel.
+        channel: usize,
+    },
     /// The camera's numbers make no picture.
     #[error("the camera cannot be used: its placement or opening angle is zero or not a number")]
     DegenerateCamera,
@@ -117,9 +131,11 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
     };
     let local_from_world = DAffine3::from_translation(-origin);
 
-    let Materials { records: materials, channels, texels, not_opaque } = materials::compile_materials(scene)?;
+    let Materials { records: materials, channels, texels, not_opaque } =
+        materials::compile_materials(scene, origin)?;
     let lights = lights::compile_lights(scene, &local_from_world);
-    let mut primitives = objects::compile_objects(scene, &local_from_world, &not_opaque, &lights.of_object)?;
+    let mut primitives =
+        objects::compile_objects(scene, &local_from_world, &not_opaque, &materials, &lights.of_object)?;
     let triangles = primitives.triangles;
     let attributes = std::mem::take(&mut primitives.attributes);
     let hierarchy = bvh::arrange(primitives, acceleration);

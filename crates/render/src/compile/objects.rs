@@ -1,8 +1,9 @@
 use super::triangles::placed_triangles;
 use super::{CompileError, affine, count};
 use kernels::records::kernel::{
-    FLAG_BASE_OPEN, FLAG_NOT_OPAQUE, FLAG_TOP_OPEN, NONE, ObjectRecord, SHAPE_BOX, SHAPE_FRUSTUM,
-    SHAPE_PARALLELOGRAM, SHAPE_PLANE, SHAPE_SPHERE, SHAPE_TRIANGLE, ShapeRecord, SurfaceRecord,
+    FLAG_BASE_OPEN, FLAG_NOT_OPAQUE, FLAG_TOP_OPEN, MaterialRecord, NONE, ObjectRecord, SHAPE_BOX,
+    SHAPE_FRUSTUM, SHAPE_PARALLELOGRAM, SHAPE_PLANE, SHAPE_SPHERE, SHAPE_TRIANGLE, ShapeRecord,
+    SurfaceRecord,
 };
 use scene::{DAffine3, DMat3, DVec3, Object, Scene, Shape};
 
@@ -13,7 +14,7 @@ pub(super) struct Primitives {
     /// Box of every bounded object as (minimum, maximum), in the same order.
     pub boxes: Vec<(DVec3, DVec3)>,
     pub triangles: usize,
-    /// Table of the attributes of triangles.
+    /// Table of the attributes of triangles, and of the frames of objects whose materials look at the position.
     pub attributes: Vec<[f32; 4]>,
 }
 
@@ -24,7 +25,7 @@ pub(super) struct UnitShape {
     pub base_radius: f64,
     pub top_radius: f64,
     pub v_scale: f64,
-    /// First entry in the table of attributes, or `NONE`.
+    /// First entry in the table of attributes, or `NONE`; see the kernels' modules `mesh` and `coordinates`.
     pub attributes: u32,
 }
 
@@ -37,6 +38,7 @@ pub(super) fn compile_objects(
     scene: &Scene,
     local_from_world: &DAffine3,
     not_opaque: &[bool],
+    materials: &[MaterialRecord],
     light_of_object: &[u32],
 ) -> Result<Primitives, CompileError> {
     let mut primitives = Primitives {
@@ -84,20 +86,37 @@ pub(super) fn compile_objects(
             }
             Ok(())
         };
+        let uses_position = materials[object.material.index()].uses_position != 0;
         match object.shape {
             Shape::Mesh { mesh: id, visible_sides } => {
                 let mesh = &scene.meshes[id.index()];
                 let mut attributes = std::mem::take(&mut primitives.attributes);
-                for triangle in placed_triangles(mesh, visible_sides, &local_from_object, &mut attributes) {
+                let sides = visible_sides;
+                for triangle in
+                    placed_triangles(mesh, sides, &local_from_object, uses_position, &mut attributes)
+                {
                     add(&mut primitives, triangle)?;
                 }
                 primitives.attributes = attributes;
                 primitives.triangles += mesh.triangles.len();
             }
-            _ => add(&mut primitives, unit_shape(object, &local_from_object))?,
+            _ => {
+                let mut unit = unit_shape(object, &local_from_object);
+                if uses_position {
+                    unit.attributes = count(primitives.attributes.len());
+                    primitives.attributes.extend(object_from_unit(&unit, &local_from_object));
+                }
+                add(&mut primitives, unit)?;
+            }
         }
     }
     Ok(primitives)
+}
+
+/// Rows of the matrix from a unit shape to the frame of its object, for channels that look at the position.
+pub(super) fn object_from_unit(unit: &UnitShape, local_from_object: &DAffine3) -> [[f32; 4]; 3] {
+    let rows = affine(&(local_from_object.inverse() * unit.local_from_unit));
+    [rows.row0, rows.row1, rows.row2].map(|row| [row.x, row.y, row.z, row.w])
 }
 
 /// The unit shape of an analytic object.
