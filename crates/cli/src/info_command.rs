@@ -23,8 +23,12 @@ pub fn run(arguments: &InfoArguments) -> Result<String, Failure> {
 /// What a scene holds.
 #[derive(Debug, Serialize)]
 struct Info {
-    objects: usize,
+    /// As many as are drawn, through instances, too.
+    objects: u64,
+    /// As many as are stored: members of groups count once.
     shapes: BTreeMap<&'static str, usize>,
+    groups: usize,
+    instances: usize,
     materials: usize,
     images: usize,
     lights: usize,
@@ -65,13 +69,16 @@ struct SkippedInfo {
 impl Info {
     fn new(scene: &Scene, report: &Report) -> Self {
         let mut shapes = BTreeMap::new();
-        for object in &scene.objects {
+        for object in scene.objects.iter().chain(scene.groups.iter().flat_map(|group| &group.objects)) {
             *shapes.entry(object.shape.name()).or_default() += 1;
         }
         let lamps = scene.objects.iter().filter(|object| object.emission.is_some()).count();
         Info {
-            objects: scene.objects.len(),
+            objects: scene.drawn_objects(),
             shapes,
+            groups: scene.groups.len(),
+            instances: scene.instances.len()
+                + scene.groups.iter().map(|group| group.instances.len()).sum::<usize>(),
             materials: scene.materials.len(),
             images: scene.images.len(),
             lights: scene.lights.len() + lamps + usize::from(scene.sky.is_some()),
@@ -120,6 +127,10 @@ impl Display for Info {
         row(f, "objects", self.objects)?;
         for (shape, count) in &self.shapes {
             row(f, &format!("  {shape}"), count)?;
+        }
+        if self.instances > 0 {
+            let groups = if self.groups == 1 { "group" } else { "groups" };
+            row(f, "instances", format_args!("{} of {} {groups}", self.instances, self.groups))?;
         }
         row(f, "materials", self.materials)?;
         row(f, "images", self.images)?;

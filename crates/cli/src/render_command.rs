@@ -36,7 +36,7 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
 
     let mut statistics = Statistics::new(&settings, &film);
     statistics.device = device.name();
-    statistics.objects = project.scene.objects.len();
+    statistics.objects = project.scene.drawn_objects();
     statistics.triangles = scene.triangles();
     statistics.exposure = format.is_exposed().then_some(exposure.stops());
     statistics.seconds = seconds;

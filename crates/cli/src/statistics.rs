@@ -28,8 +28,8 @@ pub struct Statistics {
     pub samples: u64,
     /// Rays traced for the whole picture, shadow rays included.
     pub rays: u64,
-    /// Objects of the scene.
-    pub objects: usize,
+    /// Objects of the scene, those of groups counted as often as they are placed.
+    pub objects: u64,
     /// Triangles of the scene.
     pub triangles: usize,
     /// Stops that the picture was brightened by; missing for formats that keep the radiance.

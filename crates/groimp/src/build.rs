@@ -5,6 +5,7 @@ use crate::body::Bodies;
 use crate::classes::{Amount, AxisShape, Class, Skip};
 use crate::fields::{Field, Fields};
 use crate::graph::{Graph, Node, NodeIndex};
+use crate::groups::Groups;
 use crate::lights::{self, LightValue};
 use crate::meshes::Meshes;
 use crate::modules::{Sources, StaticValue};
@@ -31,11 +32,20 @@ pub struct DrawnFrames {
 }
 
 /// What a node inherits from its parent.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Inherited {
     pub frame: DAffine3,
-    state: TurtleState,
-    material: MaterialId,
+    pub state: TurtleState,
+    pub material: MaterialId,
+}
+
+/// Where a tree that is drawn starts.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Root {
+    /// With this node.
+    Node(NodeIndex),
+    /// With the children of this node.
+    ChildrenOf(NodeIndex),
 }
 
 /// What a node hands on.
@@ -53,11 +63,11 @@ struct OnPath {
     for_children: Inherited,
 }
 
+/// How far the traversal of a tree has come with a node. Every tree has its number, so that the table serves all.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Visit {
-    Never,
-    OnPath,
-    Done,
+    OnPath(u32),
+    Done(u32),
 }
 
 pub(crate) struct Builder<'a> {
@@ -69,8 +79,11 @@ pub(crate) struct Builder<'a> {
     pub shaders: Shaders<'a>,
     pub out: Output,
     pub frames: Vec<DrawnFrames>,
+    pub groups: Groups,
+    pub initial: TurtleState,
     meshes: Meshes,
-    initial: TurtleState,
+    visits: Vec<Visit>,
+    tree: u32,
     has_light: bool,
 }
 
@@ -93,8 +106,11 @@ impl<'a> Builder<'a> {
             shaders,
             out,
             frames: Vec::new(),
-            meshes: Meshes::default(),
+            groups: Groups::default(),
             initial,
+            meshes: Meshes::default(),
+            visits: vec![Visit::Done(0); graph.nodes.len()],
+            tree: 0,
             has_light: false,
         }
     }
@@ -104,23 +120,8 @@ impl<'a> Builder<'a> {
         self.initial = initial_turtle_state(self.graph)?;
         let material = self.shaders.predefined(GRAY, &mut self.out);
         let root = Inherited { frame: DAffine3::IDENTITY, state: self.initial, material };
-        let mut visits = vec![Visit::Never; self.graph.nodes.len()];
-        let mut path = Vec::new();
-        self.enter(self.graph.main_root, root, &mut visits, &mut path)?;
-        while let Some(top) = path.last_mut() {
-            if top.next_edge == top.last_edge {
-                visits[top.node.index()] = Visit::Done;
-                path.pop();
-                continue;
-            }
-            let child = self.graph.target(top.next_edge);
-            top.next_edge += 1;
-            let inherited = top.for_children;
-            match visits[child.index()] {
-                Visit::Never => self.enter(child, inherited, &mut visits, &mut path)?,
-                again => self.reached_again(child, again),
-            }
-        }
+        self.draw_tree(Root::Node(self.graph.main_root), root, usize::MAX)?;
+        self.draw_groups()?;
         self.out.scene.camera = self.view.camera.clone();
         if !self.has_light {
             self.add_default_light();
@@ -128,23 +129,68 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
+    /// Draws a tree of at most `nodes_left` nodes and returns how many are left then.
+    pub fn draw_tree(
+        &mut self,
+        root: Root,
+        start: Inherited,
+        mut nodes_left: usize,
+    ) -> Result<usize, ReadError> {
+        // Fewer trees than nodes.
+        self.tree += 1;
+        let mut path = Vec::new();
+        match root {
+            Root::Node(node) => self.enter(node, start, &mut path)?,
+            Root::ChildrenOf(node) => self.follow(node, start, &mut path),
+        }
+        while let Some(top) = path.last_mut() {
+            if top.next_edge == top.last_edge {
+                self.visits[top.node.index()] = Visit::Done(self.tree);
+                path.pop();
+                continue;
+            }
+            let child = self.graph.target(top.next_edge);
+            top.next_edge += 1;
+            let inherited = top.for_children;
+            match self.visits[child.index()] {
+                Visit::OnPath(tree) | Visit::Done(tree) if tree != self.tree => {
+                    if nodes_left == 0 {
+                        return Ok(0);
+                    }
+                    nodes_left -= 1;
+                    self.enter(child, inherited, &mut path)?;
+                }
+                again => self.reached_again(child, again),
+            }
+        }
+        Ok(nodes_left)
+    }
+
     fn enter(
         &mut self,
         node: NodeIndex,
         inherited: Inherited,
-        visits: &mut [Visit],
         path: &mut Vec<OnPath>,
     ) -> Result<(), ReadError> {
-        visits[node.index()] = Visit::OnPath;
         let for_children = self.node(node, inherited)?;
+        self.follow(node, for_children, path);
+        if self.types.class(self.graph.node(node).type_name) == Some(Class::GridCloner) {
+            // Its children stand in the cells of its grid instead.
+            let top = path.last_mut().filter(|top| top.node == node);
+            top.into_iter().for_each(|top| top.next_edge = top.last_edge);
+        }
+        Ok(())
+    }
+
+    fn follow(&mut self, node: NodeIndex, for_children: Inherited, path: &mut Vec<OnPath>) {
+        self.visits[node.index()] = Visit::OnPath(self.tree);
         let edges = self.graph.edges_of(node);
         path.push(OnPath { node, next_edge: edges.start, last_edge: edges.end, for_children });
-        Ok(())
     }
 
     fn reached_again(&mut self, node: NodeIndex, visit: Visit) {
         let node = self.graph.node(node);
-        let message = if visit == Visit::OnPath {
+        let message = if matches!(visit, Visit::OnPath(_)) {
             format!("node {} is its own descendant; the cycle is cut", node.id)
         } else {
             format!("node {} can be reached by two paths; it is drawn at the first", node.id)
@@ -178,7 +224,7 @@ impl<'a> Builder<'a> {
         if class == Class::RggRoot {
             state = self.initial;
         }
-        let (frames, oddity) = transform::frames(class, fields, frame, &state)?;
+        let (mut frames, oddity) = transform::frames(class, fields, frame, &state)?;
         if let Some(oddity) = oddity {
             let message = format!("{}: {oddity}", self.graph.type_name(node));
             self.out.report.warn(message, location);
@@ -205,6 +251,12 @@ impl<'a> Builder<'a> {
             Class::Axis(shape) => {
                 self.draw(&site, fields, shapes::axis_shape(shape, fields)?, material)?;
             }
+            Class::Instance => frames.post = self.place_instance(&site, fields, inherited, material)?,
+            Class::GridCloner => {
+                let start = Inherited { frame: frames.post, state, material };
+                let origin = self.origin(node);
+                self.grid_of_clones(fields, start, origin)?;
+            }
             Class::Line => self.skip(node, Skip::NotVisible.reason()),
             Class::Skipped(skip) => self.skip(node, skip.reason()),
             Class::Plain
@@ -226,6 +278,36 @@ impl<'a> Builder<'a> {
         let for_children = Inherited { frame: frames.post, state, material };
         // Which turtle state a body starts with is unverified.
         Ok(Placed { for_children, for_body: Inherited { frame: frames.own, ..for_children } })
+    }
+
+    /// Draws an `Instance3D` and returns the frame of its children.
+    fn place_instance(
+        &mut self,
+        site: &Site,
+        fields: &Fields<'_>,
+        inherited: Inherited,
+        material: MaterialId,
+    ) -> Result<DAffine3, ReadError> {
+        let Frames { own, post } = site.frames;
+        let layer = fields.number("layer", site.class.default_layer())? as i64;
+        let master = self.graph.master(site.node).filter(|_| fields.in_file);
+        let Some(master) = master else {
+            self.skip(site.node, "it refers to no master");
+            return Ok(post);
+        };
+        if !self.view.shows(layer) {
+            self.skip(site.node, "its layer is hidden in the saved view");
+            return Ok(post);
+        }
+        if !shapes::is_invertible(&own) {
+            self.skip(site.node, "its transformation is flat or not a number");
+            return Ok(post);
+        }
+        let start = Inherited { frame: own, state: inherited.state, material };
+        let origin = self.origin(site.node);
+        let exported = self.instance(master, fields, own, start, origin)?;
+        // What the master exports counts only where the instance moves its children at all.
+        Ok(if fields.flag("transforming", true)? { exported } else { post })
     }
 
     fn skip(&mut self, node: NodeIndex, reason: &str) {
@@ -351,6 +433,9 @@ impl<'a> Builder<'a> {
     }
 
     fn record(&mut self, site: &Site) {
+        if self.groups.inside {
+            return;
+        }
         self.frames.push(DrawnFrames {
             node: self.graph.node(site.node).id,
             own_origin: site.frames.own.translation,

@@ -40,6 +40,10 @@ pub(crate) enum Class {
     Orthogonal,
     State(StateCommand),
     Line,
+    /// Instance3D.
+    Instance,
+    /// GridClonerNode.
+    GridCloner,
     /// Known and placed like Null, but not drawn.
     Skipped(Skip),
     /// Turns or moves the turtle in a way that is not known here.
@@ -116,6 +120,7 @@ impl Class {
                 | Class::Sky
                 | Class::Mesh
                 | Class::Axis(_)
+                | Class::Instance
                 | Class::Skipped(_)
         )
     }
@@ -153,14 +158,13 @@ fn object(name: &str) -> Option<Class> {
         "Frustum" => Class::Axis(AxisShape::Frustum),
         "Parallelogram" => Class::Axis(AxisShape::Parallelogram),
         "Line" => Class::Line,
-        // That the light model's clones of a grid are not drawn is unverified.
         "Point" | "PointCloud" | "TextLabel" | "NURBSCurve" | "SensorNode" | "SensorNodeGrid"
-        | "SensorAreaGrid" | "GridClonerNode" => Class::Skipped(Skip::NotVisible),
+        | "SensorAreaGrid" => Class::Skipped(Skip::NotVisible),
+        "Instance3D" => Class::Instance,
+        "GridClonerNode" => Class::GridCloner,
         "MeshNode" => Class::Mesh,
         "NURBSSurface" | "Patch" | "Polygon" => Class::Skipped(Skip::NotYet { layer_one: true }),
-        "Instance3D" | "SphereSegmentSolid" | "Supershape" | "Lamella" => {
-            Class::Skipped(Skip::NotYet { layer_one: false })
-        }
+        "SphereSegmentSolid" | "Supershape" | "Lamella" => Class::Skipped(Skip::NotYet { layer_one: false }),
         _ => return None,
     })
 }

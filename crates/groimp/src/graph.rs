@@ -39,6 +39,10 @@ pub(crate) struct Graph {
     /// Targets of the edges of the scene tree, whose successor or branch bit is set. For a picture the two do not
     /// differ.
     edges: Vec<NodeIndex>,
+    /// Whether they are successors; for a picture that makes a difference to instances only.
+    is_successor: Vec<bool>,
+    /// What instances are instances of.
+    masters: HashMap<NodeIndex, NodeIndex>,
     /// Edges of node i are `edges[edge_starts[i]..edge_starts[i + 1]]`.
     edge_starts: Vec<usize>,
 }
@@ -81,6 +85,16 @@ impl Graph {
         self.edges[position]
     }
 
+    /// The node that continues a chain.
+    pub fn successor(&self, index: NodeIndex) -> Option<NodeIndex> {
+        self.edges_of(index).find(|edge| self.is_successor[*edge]).map(|edge| self.edges[edge])
+    }
+
+    /// The node whose tree an instance draws.
+    pub fn master(&self, index: NodeIndex) -> Option<NodeIndex> {
+        self.masters.get(&index).copied()
+    }
+
     /// A field that is stored in the file.
     pub fn field(&self, index: NodeIndex, name: &str) -> Option<&Value> {
         self.values.find(self.node(index).fields, name)
@@ -104,7 +118,31 @@ enum Open {
 struct RawEdge {
     from: i64,
     to: i64,
+    kind: EdgeKind,
     line: usize,
+}
+
+/// What an edge means for the picture.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum EdgeKind {
+    Successor,
+    Branch,
+    /// From an instance to what it is an instance of.
+    Master,
+}
+
+impl EdgeKind {
+    /// The kind of an edge with these tokens, whatever else they say; `None` if it is no part of the picture.
+    fn of(tokens: &str) -> Option<Self> {
+        let has = |wanted: &[&str]| tokens.split(',').any(|token| wanted.contains(&token.trim()));
+        if has(&["-", ">"]) {
+            Some(EdgeKind::Successor)
+        } else if has(&["+"]) {
+            Some(EdgeKind::Branch)
+        } else {
+            has(&["edge.master"]).then_some(EdgeKind::Master)
+        }
+    }
 }
 
 struct Parser<'a> {
@@ -205,9 +243,9 @@ impl<'a> Parser<'a> {
             Open::Graph | Open::Value(_) => None,
         };
         if let (Some(from), Some(edges)) = (from, element.attribute("edges"))
-            && is_tree_edge(edges)
+            && let Some(kind) = EdgeKind::of(edges)
         {
-            self.edges.push(RawEdge { from, to, line: element.line });
+            self.edges.push(RawEdge { from, to, kind, line: element.line });
         }
         Ok(open)
     }
@@ -282,9 +320,13 @@ impl<'a> Parser<'a> {
             return Err(ReadError::NoMainGraph { file: self.file.to_owned(), found });
         };
         let mut resolved = Vec::with_capacity(self.edges.len());
+        let mut masters = HashMap::new();
         for edge in std::mem::take(&mut self.edges) {
             match (self.by_id.get(&edge.from), self.by_id.get(&edge.to)) {
-                (Some(from), Some(to)) => resolved.push((*from, *to)),
+                (Some(from), Some(to)) if edge.kind == EdgeKind::Master => {
+                    masters.entry(*from).or_insert(*to);
+                }
+                (Some(from), Some(to)) => resolved.push((*from, *to, edge.kind == EdgeKind::Successor)),
                 (from, _) => {
                     let missing = if from.is_none() { edge.from } else { edge.to };
                     self.report.warn(
@@ -295,23 +337,19 @@ impl<'a> Parser<'a> {
             }
         }
         // Stable: children stay in the order of the file.
-        resolved.sort_by_key(|(from, _)| from.0);
+        resolved.sort_by_key(|(from, ..)| from.0);
         let mut edge_starts = vec![0; self.nodes.len() + 1];
-        for (from, _) in &resolved {
+        for (from, ..) in &resolved {
             edge_starts[from.index() + 1] += 1;
         }
         for i in 1..edge_starts.len() {
             edge_starts[i] += edge_starts[i - 1];
         }
-        let edges = resolved.into_iter().map(|(_, to)| to).collect();
+        let (edges, is_successor) = resolved.into_iter().map(|(_, to, successor)| (to, successor)).unzip();
         let Parser { file, values, nodes, by_id, .. } = self;
-        Ok(Graph { file: file.to_owned(), values, nodes, main_root, by_id, edges, edge_starts })
+        let file = file.to_owned();
+        Ok(Graph { file, values, nodes, main_root, by_id, edges, is_successor, masters, edge_starts })
     }
-}
-
-/// Whether an edge description sets the successor or the branch bit, whatever else it sets.
-fn is_tree_edge(edges: &str) -> bool {
-    edges.split(',').any(|token| matches!(token.trim(), "-" | ">" | "+"))
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ mod classes;
 mod error;
 mod fields;
 mod graph;
+mod groups;
 mod images;
 mod inline;
 mod java_stream;

@@ -60,6 +60,8 @@ pub(crate) fn frames(
         | Class::Mesh
         | Class::Axis(_)
         | Class::Line
+        | Class::Instance
+        | Class::GridCloner
         | Class::Skipped(_) => placed(class, fields, parent),
         Class::Shoot(amount) | Class::Move(amount) => {
             after(parent * along_z(turtle_length(fields, amount, state)?))

@@ -41,6 +41,11 @@ impl Types {
         Types(types)
     }
 
+    /// The class of the type of that name.
+    pub fn class(&self, name: Symbol) -> Option<Class> {
+        self.0.get(&name).map(|known| known.class)
+    }
+
     /// The type of that name in the file.
     pub fn get(&self, name: Symbol) -> Option<&Type> {
         self.0.get(&name)

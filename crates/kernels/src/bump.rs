@@ -13,6 +13,7 @@ pub mod kernel {
     use crate::coordinates::kernel::*;
     use crate::records::kernel::*;
     use crate::shape::kernel::*;
+    use crate::traversal::kernel::*;
     use wgsl_rs::std::*;
 
     /// Change of the height `index` per unit of u and of v.
@@ -52,13 +53,11 @@ pub mod kernel {
         normal_map.size == 0u32 || on_box_top
     }
 
-    /// The point `p` of the unit shape with the shading normal that the normal maps of the material give it.
+    /// The point of a hit, `p` on the unit shape, with the shading normal that the normal maps of the material give it.
     pub fn with_normal_maps<S: SceneAccess + Copy>(
         scene: S,
+        hit: Hit,
         material: MaterialRecord,
-        shape: ShapeRecord,
-        surface: SurfaceRecord,
-        face: u32,
         p: Vec3f,
         at: TexturePoint,
         point: SurfacePoint,
@@ -66,8 +65,10 @@ pub mod kernel {
         if material.normal_map == NONE {
             return point;
         }
-        let unit = unit_tangents::<S>(scene, shape, surface, face, p);
-        let world = transform_tangents(surface.world_from_object, unit);
+        let shape = S::shape(scene, hit.object);
+        let surface = S::surface(scene, hit.object);
+        let unit = unit_tangents::<S>(scene, shape, surface, hit.shape.face, p);
+        let world = transform_tangents(world_from_unit::<S>(scene, hit.instance, surface), unit);
         let mut local = unit;
         if material.uses_position != 0u32 {
             local = transform_tangents(local_from_unit::<S>(scene, shape, surface), unit);

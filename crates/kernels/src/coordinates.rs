@@ -52,9 +52,18 @@ pub mod kernel {
         }
     }
 
+    /// From the unit shape to the compiled scene, through the instance if there is one.
+    pub fn world_from_unit<S: SceneAccess + Copy>(scene: S, instance: u32, surface: SurfaceRecord) -> Affine {
+        if instance == NONE {
+            return surface.world_from_object;
+        }
+        compose(S::surface(scene, instance).world_from_object, surface.world_from_object)
+    }
+
     /// The point `p` of the unit shape, whose texture coordinates are `uv`, as channels see it.
     pub fn texture_point<S: SceneAccess + Copy>(
         scene: S,
+        instance: u32,
         shape: ShapeRecord,
         surface: SurfaceRecord,
         material: MaterialRecord,
@@ -64,7 +73,7 @@ pub mod kernel {
         let mut at = uv_point(uv);
         if material.uses_position != 0u32 {
             at.local = transform_point(local_from_unit::<S>(scene, shape, surface), p);
-            at.world = transform_point(surface.world_from_object, p);
+            at.world = transform_point(world_from_unit::<S>(scene, instance, surface), p);
         }
         at
     }

@@ -14,6 +14,7 @@ pub mod bump;
 pub mod camera;
 pub mod channel;
 pub mod coordinates;
+pub mod hit;
 pub mod light;
 pub mod mesh;
 pub mod noise;

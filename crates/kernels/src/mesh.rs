@@ -1,8 +1,8 @@
 //! What triangles of a mesh have besides their plane: texture coordinates and smooth normals.
 //!
 //! They stand in the attribute table, four entries per triangle from `SurfaceRecord::attributes` on. Entries 0 to
-//! 2 belong to the corners: unit normal in world space and u. The last one holds the three v and, as w, 1 if the
-//! normals count. A smooth normal decides how light is scattered; the sides of the surface and the starts of rays
+//! 2 belong to the corners: unit normal, in the space of the group or, outside groups, of the scene, and u. The last
+//! one holds the three v and, as w, 1 if the normals count. A smooth normal decides how light is scattered; the sides of the surface and the starts of rays
 //! are those of the flat triangle, so that no light leaks through.
 
 use wgsl_rs::wgsl;
@@ -38,20 +38,21 @@ pub mod kernel {
         vec2f(a.w * rest + b.w * uv.x + c.w * uv.y, v.x * rest + v.y * uv.x + v.z * uv.y)
     }
 
-    /// Outward unit normal for scattering at a point whose `uv` are the weights of the corners; never more than a
-    /// right angle away from the normal of the flat triangle.
+    /// Smooth normal in the space of the group, or of the scene, at a point whose `uv` are the weights of the
+    /// corners; of any length, zero if there is none.
     pub fn attribute_normal<S: SceneAccess + Copy>(
         scene: S,
         shape: ShapeRecord,
         surface: SurfaceRecord,
         point: SurfacePoint,
     ) -> Vec3f {
+        let none = vec3f(0.0, 0.0, 0.0);
         if (shape.kind & SHAPE_MASK) != SHAPE_TRIANGLE || surface.attributes == NONE {
-            return point.normal;
+            return none;
         }
         let last = S::attribute(scene, surface.attributes + 3u32);
         if last.w == 0.0 {
-            return point.normal;
+            return none;
         }
         let a = S::attribute(scene, surface.attributes);
         let b = S::attribute(scene, surface.attributes + 1u32);
@@ -59,25 +60,27 @@ pub mod kernel {
         let sum = vec3f(a.x, a.y, a.z) * (1.0 - point.uv.x - point.uv.y)
             + vec3f(b.x, b.y, b.z) * point.uv.x
             + vec3f(c.x, c.y, c.z) * point.uv.y;
-        let squared = dot(sum, sum);
-        if squared < 1.0e-12 {
-            // Normals that cancel out say nothing.
-            return point.normal;
-        }
-        // A triangle that is listed a second time the other way round shares its normals with the first.
-        let side = select(-1.0, 1.0, dot(sum, point.normal) >= 0.0);
-        sum * (side / sqrt(squared))
+        // Normals that cancel out say nothing.
+        select(none, sum, dot(sum, sum) >= 1.0e-12)
     }
 
-    /// The point with what the attributes of its triangle say.
+    /// The point with what the attributes of its triangle say; `smooth_normal` is its smooth normal in world space, of
+    /// any length, zero if there is none.
     pub fn with_attributes<S: SceneAccess + Copy>(
         scene: S,
         shape: ShapeRecord,
         surface: SurfaceRecord,
         point: SurfacePoint,
+        smooth_normal: Vec3f,
     ) -> SurfacePoint {
         let mut result = point;
-        result.shading_normal = attribute_normal::<S>(scene, shape, surface, point);
+        let squared = dot(smooth_normal, smooth_normal);
+        if squared > 0.0 {
+            // A triangle that is listed a second time the other way round shares its normals with the first. The
+            // scattering normal is never more than a right angle away from the normal of the flat triangle.
+            let side = select(-1.0, 1.0, dot(smooth_normal, point.normal) >= 0.0);
+            result.shading_normal = smooth_normal * (side / sqrt(squared));
+        }
         result.uv = attribute_uv::<S>(scene, shape, surface, point.uv);
         result
     }

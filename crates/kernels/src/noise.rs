@@ -27,16 +27,32 @@ pub mod kernel {
 
     /// The value that a corner with hash `m` spreads to a point at `offset` from it.
     pub fn corner_value<S: SceneAccess + Copy>(scene: S, table: u32, m: u32, offset: Vec3f) -> f32 {
-        let values = table + NOISE_PERMUTATION;
-        let r0 = bitcast_f32(S::texel(scene, values + (m & 511u32)));
-        let rx = bitcast_f32(S::texel(scene, values + ((m + 1u32) & 511u32)));
-        let ry = bitcast_f32(S::texel(scene, values + ((m + 2u32) & 511u32)));
-        let rz = bitcast_f32(S::texel(scene, values + ((m + 3u32) & 511u32)));
-        0.5 * r0 + rx * offset.x + ry * offset.y + rz * offset.z
+        let factors = vec4f(0.5, offset.x, offset.y, offset.z);
+        let mut sum: f32 = 0.0;
+        for k in 0..4 {
+            let value = bitcast_f32(S::texel(scene, table + NOISE_PERMUTATION + ((m + u32(k)) & 511u32)));
+            let mut factor = factors.x;
+            if k == 1 {
+                factor = factors.y;
+            }
+            if k == 2 {
+                factor = factors.z;
+            }
+            if k == 3 {
+                factor = factors.w;
+            }
+            sum += value * factor;
+        }
+        sum
     }
 
-    /// The joined values at a point; y and z only if `three` are wanted.
-    pub fn lattice_noise<S: SceneAccess + Copy>(scene: S, table: u32, point: Vec3f, three: bool) -> Vec3f {
+    /// The joined values at a point, the first 1 or 3 components.
+    pub fn lattice_noise<S: SceneAccess + Copy>(
+        scene: S,
+        table: u32,
+        point: Vec3f,
+        components: u32,
+    ) -> Vec3f {
         // Floats are whole numbers long before, so the limits only keep the conversions to integers in range.
         let limit = vec3f(1.0e9, 1.0e9, 1.0e9);
         let p = clamp(point, -limit, limit);
@@ -58,10 +74,15 @@ pub mod kernel {
             let b = S::texel(scene, table + (a ^ ((iy + cy) & 65535u32)));
             let m = S::texel(scene, table + (b ^ ((iz + cz) & 65535u32)));
             let offset = d - vec3f(f32(cx), f32(cy), f32(cz));
-            sum.x += weight * corner_value::<S>(scene, table, m, offset);
-            if three {
-                sum.y += weight * corner_value::<S>(scene, table, m + 8u32, offset);
-                sum.z += weight * corner_value::<S>(scene, table, m + 16u32, offset);
+            #[wgsl_allow(non_literal_loop_bounds)]
+            for component in 0..components {
+                let value = weight * corner_value::<S>(scene, table, m + 8u32 * component, offset);
+                let axis = vec3f(
+                    select(0.0, 1.0, component == 0u32),
+                    select(0.0, 1.0, component == 1u32),
+                    select(0.0, 1.0, component == 2u32),
+                );
+                sum += axis * value;
             }
         }
         sum
@@ -83,7 +104,7 @@ pub mod kernel {
         let mut sum = vec3f(0.0, 0.0, 0.0);
         #[wgsl_allow(non_literal_loop_bounds)]
         for _octave in 0..octaves {
-            let values = lattice_noise::<S>(scene, table, p, kind == NOISE_VECTOR);
+            let values = lattice_noise::<S>(scene, table, p, select(1u32, 3u32, kind == NOISE_VECTOR));
             if kind == NOISE_VECTOR {
                 sum += values * amplitude;
             } else {

@@ -12,6 +12,7 @@ pub mod kernel {
     use crate::bump::kernel::*;
     use crate::camera::kernel::*;
     use crate::coordinates::kernel::*;
+    use crate::hit::kernel::*;
     use crate::light::kernel::*;
     use crate::mesh::kernel::*;
     use crate::random::kernel::*;
@@ -155,14 +156,13 @@ pub mod kernel {
             }
             let shape = S::shape(scene, hit.object);
             let surface = S::surface(scene, hit.object);
-            let flat_point = surface_point(shape, surface, ray, hit.shape);
-            let mut point = with_attributes::<S>(scene, shape, surface, flat_point);
             let material = S::material(scene, shape.material);
+            let mut point = hit_surface::<S>(scene, ray, hit);
             let mut at = uv_point(point.uv);
             if material.uses_position != 0u32 || material.normal_map != NONE {
-                let p = hit_point(shape, ray, hit.shape);
-                at = texture_point::<S>(scene, shape, surface, material, p, point.uv);
-                point = with_normal_maps::<S>(scene, material, shape, surface, hit.shape.face, p, at, point);
+                let p = hit_unit_point::<S>(scene, ray, hit);
+                at = texture_point::<S>(scene, hit.instance, shape, surface, material, p, point.uv);
+                point = with_normal_maps::<S>(scene, hit, material, p, at, point);
             }
             let wo = -ray.direction;
             let cos_front = dot(point.normal, wo);

@@ -22,7 +22,8 @@ pub mod kernel {
     /// Inner node of a binary bounding volume hierarchy; it holds the boxes of its two children.
     ///
     /// A child with `count` 0 is an inner node with index `child`; otherwise it is a leaf of `count` objects
-    /// starting at `child`.
+    /// starting at `child`. An inner node whose index has `INSTANCE_BIT` set is an instance: the rest of the index
+    /// is that of its object record.
     #[repr(C)]
     #[derive(Copy, Clone, Debug, Wgsl)]
     pub struct BvhNode {
@@ -36,6 +37,9 @@ pub mod kernel {
         pub count1: u32,
     }
 
+    /// Marks the index of an instance among the children of nodes.
+    pub const INSTANCE_BIT: u32 = 2147483648;
+
     /// Unit sphere.
     pub const SHAPE_SPHERE: u32 = 0;
     /// The cube [-1, 1]³.
@@ -48,6 +52,9 @@ pub mod kernel {
     pub const SHAPE_PARALLELOGRAM: u32 = 4;
     /// x, z >= 0, x + z <= 1, y = 0; front side +y.
     pub const SHAPE_TRIANGLE: u32 = 5;
+    /// A group of objects with a hierarchy of its own, whose root node `ShapeRecord::material` is. The matrices
+    /// lead to the space of the group.
+    pub const SHAPE_INSTANCE: u32 = 6;
 
     /// Part of `ShapeRecord::kind` that holds the shape.
     pub const SHAPE_MASK: u32 = 255;
@@ -69,6 +76,7 @@ pub mod kernel {
         pub object_from_world: Affine,
         /// Shape in the lowest byte, flags above.
         pub kind: u32,
+        /// Instance: root of its hierarchy.
         pub material: u32,
         pub base_radius: f32,
         /// Triangle: its number in the mesh, which tells it apart from the others in random choices.
@@ -84,7 +92,7 @@ pub mod kernel {
         pub v_scale: f32,
         /// Index of the light that this body is, or `NONE`.
         pub light: u32,
-        /// Index of the object in the scene description.
+        /// Number of what it comes from in the scene description.
         pub source: u32,
         /// Triangle: first of its entries in the attribute table, or `NONE`; see the module `mesh`.
         pub attributes: u32,
@@ -299,6 +307,20 @@ pub mod kernel {
     pub fn transform_point(matrix: Affine, point: Vec3f) -> Vec3f {
         let p = vec4f(point.x, point.y, point.z, 1.0);
         vec3f(dot(matrix.row0, p), dot(matrix.row1, p), dot(matrix.row2, p))
+    }
+
+    /// A row of the product of two matrices, given that row of the first.
+    pub fn compose_row(row: Vec4f, second: Affine) -> Vec4f {
+        second.row0 * row.x + second.row1 * row.y + second.row2 * row.z + vec4f(0.0, 0.0, 0.0, row.w)
+    }
+
+    /// The matrix that applies `second` and then `first`.
+    pub fn compose(first: Affine, second: Affine) -> Affine {
+        Affine {
+            row0: compose_row(first.row0, second),
+            row1: compose_row(first.row1, second),
+            row2: compose_row(first.row2, second),
+        }
     }
 
     /// `matrix * (direction, 0)`.

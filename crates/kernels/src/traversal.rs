@@ -20,10 +20,13 @@ pub mod kernel {
     pub struct Hit {
         pub shape: ShapeHit,
         pub object: u32,
+        /// The instance that the object was found in, or `NONE`.
+        pub instance: u32,
     }
 
-    /// Levels of the hierarchy that the traversal stack can hold; the compiler of scenes keeps to it.
-    pub const MAX_BVH_DEPTH: u32 = 64;
+    /// Levels of the hierarchy of the scene, and of the hierarchy of a group, that the traversal stack can hold
+    /// together; the compiler of scenes keeps to them.
+    pub const MAX_BVH_DEPTH: u32 = 48;
     /// A convex shape is hit at most twice by a ray; an open one may show both sides of its inside.
     pub const MAX_HITS_PER_OBJECT: u32 = 4;
 
@@ -47,6 +50,7 @@ pub mod kernel {
     /// Where channels are evaluated for a hit that is not yet known to count.
     pub fn hit_texture_point<S: SceneAccess + Copy>(
         scene: S,
+        instance: u32,
         index: u32,
         shape: ShapeRecord,
         material: MaterialRecord,
@@ -57,14 +61,16 @@ pub mod kernel {
         let surface = S::surface(scene, index);
         let weights = texture_coordinates(shape, surface.v_scale, hit.face, p);
         let uv = attribute_uv::<S>(scene, shape, surface, weights);
-        texture_point::<S>(scene, shape, surface, material, p, uv)
+        texture_point::<S>(scene, instance, shape, surface, material, p, uv)
     }
 
-    /// Joins an object to the closest hit so far. Partly transparent surfaces are met with the probability of
-    /// their opacity; the decision depends on the sample, the segment and the object alone (on the triangle in
-    /// case of meshes), so that the order in which objects are visited does not matter.
+    /// Joins an object to the closest hit so far; `ray` is in the space of the instance, if there is one. Partly
+    /// transparent surfaces are met with the probability of their opacity; the decision depends on the sample, the
+    /// segment, the instance and the object alone (on the triangle in case of meshes), so that the order in which
+    /// objects are visited does not matter.
     pub fn closer_hit<S: SceneAccess + Copy>(
         scene: S,
+        instance: u32,
         index: u32,
         ray: Ray,
         key: SampleKey,
@@ -80,13 +86,13 @@ pub mod kernel {
                 return best;
             }
             if (shape.kind & FLAG_NOT_OPAQUE) == 0u32 {
-                return Hit { shape: hit, object: index };
+                return Hit { shape: hit, object: index, instance };
             }
             let material = S::material(scene, shape.material);
-            let at = hit_texture_point::<S>(scene, index, shape, material, ray, hit);
+            let at = hit_texture_point::<S>(scene, instance, index, shape, material, ray, hit);
             let opacity = surface_opacity::<S>(scene, material, at);
             if opacity >= 1.0 {
-                return Hit { shape: hit, object: index };
+                return Hit { shape: hit, object: index, instance };
             }
             if opacity > 0.0 {
                 // Front and back of one object are told apart by the number of the attempt.
@@ -97,10 +103,11 @@ pub mod kernel {
                     DIMENSION_OPACITY + S::surface(scene, index).source,
                     key.seed
                         ^ ((segment * MAX_HITS_PER_OBJECT + attempt) * 2654435769u32)
-                        ^ (triangle * 2246822519u32),
+                        ^ (triangle * 2246822519u32)
+                        ^ ((instance + 1u32) * 3266489917u32),
                 ));
                 if unit_float(bits.x) < opacity {
-                    return Hit { shape: hit, object: index };
+                    return Hit { shape: hit, object: index, instance };
                 }
             }
             t_min = hit.t;
@@ -108,67 +115,108 @@ pub mod kernel {
         best
     }
 
+    /// The children of a node: where their objects, or they themselves, start; how many objects there are to be
+    /// tested, 0 for inner nodes and for those that are not reached.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct LeafPair {
+        pub first0: u32,
+        pub count0: u32,
+        pub first1: u32,
+        pub count1: u32,
+    }
+
+    pub fn reached_leaves(node: BvhNode, reached0: bool, reached1: bool) -> LeafPair {
+        LeafPair {
+            first0: node.child0,
+            count0: select(0u32, node.count0, reached0),
+            first1: node.child1,
+            count1: select(0u32, node.count1, reached1),
+        }
+    }
+
+    /// The object number `i` of both leaves together.
+    pub fn leaf_object(leaves: LeafPair, i: u32) -> u32 {
+        select(leaves.first1 + (i - leaves.count0), leaves.first0 + i, i < leaves.count0)
+    }
+
     /// The first surface that a ray meets.
     pub fn closest_hit<S: SceneAccess + Copy>(scene: S, ray: Ray, key: SampleKey, segment: u32) -> Hit {
         let header = S::header(scene);
-        let mut best = Hit { shape: no_hit(), object: NONE };
-        #[wgsl_allow(non_literal_loop_bounds)]
-        for i in 0..header.unbounded_objects {
-            best = closer_hit::<S>(scene, i, ray, key, segment, best);
-        }
-        if header.nodes == 0u32 {
-            return best;
-        }
-
-        let inverse = inverse_direction(ray.direction);
-        let mut stack: [u32; 64] = [0u32; 64];
-        let mut stacked: u32 = 0;
-        let mut current: u32 = 0;
+        let mut best = Hit { shape: no_hit(), object: NONE, instance: NONE };
+        // The ray in the space of the instance that is being searched, and how many nodes of the scene wait
+        // below those of the instance.
+        let mut instance = NONE;
+        let mut local = ray;
+        let mut inverse = inverse_direction(ray.direction);
+        let mut waiting: u32 = 0;
+        let mut stack: [u32; 96] = [0u32; 96];
+        // Unbounded objects come first, then the root, which waits on the stack.
+        let mut stacked: u32 = select(0u32, 1u32, header.nodes > 0u32);
+        let mut current = NONE;
         let mut searching = true;
         while searching {
-            let node = S::node(scene, current);
-            let t0 = box_entry(ray.origin, inverse, node.min0, node.max0, best.shape.t);
-            let t1 = box_entry(ray.origin, inverse, node.min1, node.max1, best.shape.t);
-            // Leaves are tested at once, inner nodes are descended into, the nearer one first.
-            let mut descend0 = t0 < NO_HIT;
-            let mut descend1 = t1 < NO_HIT;
-            if descend0 && node.count0 > 0u32 {
-                #[wgsl_allow(non_literal_loop_bounds)]
-                for i in 0..node.count0 {
-                    best = closer_hit::<S>(scene, node.child0 + i, ray, key, segment, best);
+            let mut children = LeafPair { first0: 0, count0: header.unbounded_objects, first1: 0, count1: 0 };
+            let mut t0 = NO_HIT;
+            let mut t1 = NO_HIT;
+            if current != NONE {
+                if (current & INSTANCE_BIT) != 0u32 {
+                    instance = current ^ INSTANCE_BIT;
+                    let placement = S::shape(scene, instance);
+                    local = transform_ray(placement.object_from_world, ray);
+                    inverse = inverse_direction(local.direction);
+                    waiting = stacked;
+                    current = placement.material;
                 }
-                descend0 = false;
+                let node = S::node(scene, current);
+                t0 = box_entry(local.origin, inverse, node.min0, node.max0, best.shape.t);
+                t1 = box_entry(local.origin, inverse, node.min1, node.max1, best.shape.t);
+                children = reached_leaves(node, t0 < NO_HIT, t1 < NO_HIT);
             }
-            if descend1 && node.count1 > 0u32 {
-                if t1 < best.shape.t {
-                    #[wgsl_allow(non_literal_loop_bounds)]
-                    for i in 0..node.count1 {
-                        best = closer_hit::<S>(scene, node.child1 + i, ray, key, segment, best);
-                    }
+            // Leaves are tested at once, inner nodes are descended into, the nearer one first. One loop over the
+            // objects of both, so that graphics cards hold their code once.
+            #[wgsl_allow(non_literal_loop_bounds)]
+            for i in 0..(children.count0 + children.count1) {
+                if i < children.count0 || t1 < best.shape.t {
+                    best =
+                        closer_hit::<S>(scene, instance, leaf_object(children, i), local, key, segment, best);
                 }
-                descend1 = false;
             }
+            let descend0 = t0 < NO_HIT && children.count0 == 0u32;
+            let descend1 = t1 < NO_HIT && children.count1 == 0u32;
             if descend0 && descend1 {
                 let first = t0 <= t1;
-                stack[stacked as usize] = select(node.child0, node.child1, first);
+                stack[stacked as usize] = select(children.first0, children.first1, first);
                 stacked += 1;
-                current = select(node.child1, node.child0, first);
+                current = select(children.first1, children.first0, first);
             } else if descend0 {
-                current = node.child0;
+                current = children.first0;
             } else if descend1 {
-                current = node.child1;
-            } else if stacked > 0u32 {
-                stacked -= 1;
-                current = stack[stacked as usize];
+                current = children.first1;
             } else {
-                searching = false;
+                if instance != NONE && stacked == waiting {
+                    instance = NONE;
+                    local = ray;
+                    inverse = inverse_direction(ray.direction);
+                }
+                if stacked > 0u32 {
+                    stacked -= 1;
+                    current = stack[stacked as usize];
+                } else {
+                    searching = false;
+                }
             }
         }
         best
     }
 
     /// Share of light per channel that passes one object between the ends of a shadow ray.
-    pub fn object_transmittance<S: SceneAccess + Copy>(scene: S, index: u32, ray: Ray, t_max: f32) -> Vec3f {
+    pub fn object_transmittance<S: SceneAccess + Copy>(
+        scene: S,
+        instance: u32,
+        index: u32,
+        ray: Ray,
+        t_max: f32,
+    ) -> Vec3f {
         let shape = S::shape(scene, index);
         let mut passed = vec3f(1.0, 1.0, 1.0);
         let mut t_min: f32 = 0.0;
@@ -182,7 +230,7 @@ pub mod kernel {
                 return vec3f(0.0, 0.0, 0.0);
             }
             let material = S::material(scene, shape.material);
-            let at = hit_texture_point::<S>(scene, index, shape, material, ray, hit);
+            let at = hit_texture_point::<S>(scene, instance, index, shape, material, ray, hit);
             passed *= surface_transmittance::<S>(scene, material, at);
             t_min = hit.t;
         }
@@ -198,53 +246,62 @@ pub mod kernel {
     pub fn transmittance<S: SceneAccess + Copy>(scene: S, ray: Ray, t_max: f32) -> Vec3f {
         let header = S::header(scene);
         let mut passed = vec3f(1.0, 1.0, 1.0);
-        #[wgsl_allow(non_literal_loop_bounds)]
-        for i in 0..header.unbounded_objects {
-            passed *= object_transmittance::<S>(scene, i, ray, t_max);
-        }
-        if header.nodes == 0u32 || is_dark(passed) {
-            return passed;
-        }
-
-        let inverse = inverse_direction(ray.direction);
-        let mut stack: [u32; 64] = [0u32; 64];
-        let mut stacked: u32 = 0;
-        let mut current: u32 = 0;
+        // As in `closest_hit`, but in any order.
+        let mut instance = NONE;
+        let mut local = ray;
+        let mut inverse = inverse_direction(ray.direction);
+        let mut waiting: u32 = 0;
+        let mut stack: [u32; 96] = [0u32; 96];
+        let mut stacked: u32 = select(0u32, 1u32, header.nodes > 0u32);
+        let mut current = NONE;
         let mut searching = true;
         while searching {
-            let node = S::node(scene, current);
-            let mut descend0 = box_entry(ray.origin, inverse, node.min0, node.max0, t_max) < NO_HIT;
-            let mut descend1 = box_entry(ray.origin, inverse, node.min1, node.max1, t_max) < NO_HIT;
-            if descend0 && node.count0 > 0u32 {
-                #[wgsl_allow(non_literal_loop_bounds)]
-                for i in 0..node.count0 {
-                    passed *= object_transmittance::<S>(scene, node.child0 + i, ray, t_max);
+            let mut children = LeafPair { first0: 0, count0: header.unbounded_objects, first1: 0, count1: 0 };
+            let mut reached0 = false;
+            let mut reached1 = false;
+            if current != NONE {
+                if (current & INSTANCE_BIT) != 0u32 {
+                    instance = current ^ INSTANCE_BIT;
+                    let placement = S::shape(scene, instance);
+                    local = transform_ray(placement.object_from_world, ray);
+                    inverse = inverse_direction(local.direction);
+                    waiting = stacked;
+                    current = placement.material;
                 }
-                descend0 = false;
+                let node = S::node(scene, current);
+                reached0 = box_entry(local.origin, inverse, node.min0, node.max0, t_max) < NO_HIT;
+                reached1 = box_entry(local.origin, inverse, node.min1, node.max1, t_max) < NO_HIT;
+                children = reached_leaves(node, reached0, reached1);
             }
-            if descend1 && node.count1 > 0u32 {
-                #[wgsl_allow(non_literal_loop_bounds)]
-                for i in 0..node.count1 {
-                    passed *= object_transmittance::<S>(scene, node.child1 + i, ray, t_max);
-                }
-                descend1 = false;
+            #[wgsl_allow(non_literal_loop_bounds)]
+            for i in 0..(children.count0 + children.count1) {
+                passed *= object_transmittance::<S>(scene, instance, leaf_object(children, i), local, t_max);
             }
+            let descend0 = reached0 && children.count0 == 0u32;
+            let descend1 = reached1 && children.count1 == 0u32;
             if is_dark(passed) {
                 return passed;
             }
             if descend0 && descend1 {
-                stack[stacked as usize] = node.child1;
+                stack[stacked as usize] = children.first1;
                 stacked += 1;
-                current = node.child0;
+                current = children.first0;
             } else if descend0 {
-                current = node.child0;
+                current = children.first0;
             } else if descend1 {
-                current = node.child1;
-            } else if stacked > 0u32 {
-                stacked -= 1;
-                current = stack[stacked as usize];
+                current = children.first1;
             } else {
-                searching = false;
+                if instance != NONE && stacked == waiting {
+                    instance = NONE;
+                    local = ray;
+                    inverse = inverse_direction(ray.direction);
+                }
+                if stacked > 0u32 {
+                    stacked -= 1;
+                    current = stack[stacked as usize];
+                } else {
+                    searching = false;
+                }
             }
         }
         passed

@@ -10,6 +10,7 @@ mod camera;
 mod channel;
 mod effort;
 mod image;
+mod instance;
 mod java_random;
 mod light;
 mod material;
@@ -23,6 +24,7 @@ pub use channel::{BlendItem, Channel, ChannelId, CoordinateMap, NeighbourFilter,
 pub use effort::Effort;
 pub use glam::{DAffine3, DMat2, DMat3, DVec2, DVec3};
 pub use image::Image;
+pub use instance::{Group, GroupId, Instance};
 pub use java_random::JavaRandom;
 pub use light::{Light, LightKind, Sky};
 pub use material::{Material, Phong};
@@ -73,6 +75,10 @@ index_type!(
 pub struct Scene {
     /// What can be hit by a ray.
     pub objects: Vec<Object>,
+    /// Groups of objects that are placed besides.
+    pub instances: Vec<Instance>,
+    /// What instances place.
+    pub groups: Vec<Group>,
     /// Surface descriptions, referred to by [`Object::material`].
     pub materials: Vec<Material>,
     /// Nodes of the channel trees that materials refer to. A node only refers to nodes before it, so that
@@ -121,15 +127,32 @@ impl Scene {
         id
     }
 
+    /// Adds a group and returns its index.
+    pub fn add_group(&mut self, group: Group) -> GroupId {
+        let id = GroupId(table_index(self.groups.len()));
+        self.groups.push(group);
+        id
+    }
+
+    /// Number of objects, those of groups counted as often as they are placed.
+    pub fn drawn_objects(&self) -> u64 {
+        let sizes = instance::group_sizes(&self.groups);
+        let placed = self.instances.iter().filter_map(|instance| sizes.get(instance.group.index()));
+        placed.fold(self.objects.len() as u64, |all, size| all.saturating_add(*size))
+    }
+
     /// The axis-parallel box round all finite objects in world space as (minimum, maximum), or `None` when
     /// nothing finite is there. Infinite planes are left out.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        let mut bounds: Option<(DVec3, DVec3)> = None;
+        let groups = instance::group_bounds(&self.groups, &self.meshes);
+        let mut bounds = None;
         for object in &self.objects {
-            if let Some((low, high)) = object.bounds(&self.meshes) {
-                let (min, max) = bounds.unwrap_or((low, high));
-                bounds = Some((min.min(low), max.max(high)));
-            }
+            bounds = instance::joined(bounds, object.bounds(&self.meshes));
+        }
+        for placed in &self.instances {
+            let group = groups.get(placed.group.index()).copied().flatten();
+            let placed = group.map(|group| instance::transformed(group, &placed.world_from_group));
+            bounds = instance::joined(bounds, placed);
         }
         bounds
     }

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 /// The sides of its triangles that a mesh shows. In front of a triangle its corners run counter-clockwise (that
 /// GroIMP means the same by it is unverified).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum VisibleSides {
     /// Only the front.
     Front,

@@ -47,12 +47,6 @@ impl Object {
             // The box of the vertices is tighter than the box of the transformed box.
             return meshes.get(id.index())?.bounds(&self.world_from_object);
         }
-        let (low, high) = self.shape.bounds()?;
-        // Half extents of the box of a transformed box: |M| * half (Arvo 1990).
-        let centre = self.world_from_object.transform_point3((low + high) * 0.5);
-        let half = (high - low) * 0.5;
-        let m = self.world_from_object.matrix3;
-        let extent = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
-        Some((centre - extent, centre + extent))
+        Some(crate::instance::transformed(self.shape.bounds()?, &self.world_from_object))
     }
 }

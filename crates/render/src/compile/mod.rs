@@ -3,18 +3,21 @@
 mod bvh;
 mod camera;
 mod channels;
+mod instances;
 mod lights;
 mod materials;
 mod noise;
 mod objects;
 mod texels;
 mod triangles;
+mod unit_shapes;
 
 use crate::compile::materials::Materials;
+use crate::compile::objects::Objects;
 use kernels::records::kernel::{
     BvhNode, ChannelRecord, LightRecord, MaterialRecord, NONE, ObjectRecord, SceneHeader,
 };
-use scene::{DAffine3, DVec3, Scene};
+use scene::{DAffine3, DVec3, Origin, Scene};
 
 /// A scene in the form that devices take: flat tables of records, in 32-bit numbers, relative to an origin near
 /// the middle of the scene, so that a scene far from the origin of its coordinates renders as sharply as one
@@ -23,9 +26,9 @@ use scene::{DAffine3, DVec3, Scene};
 pub struct CompiledScene {
     /// What is the same for the whole scene.
     pub header: SceneHeader,
-    /// Bounding volume hierarchy over the bounded objects; the root is node 0.
+    /// Bounding volume hierarchy over the bounded objects, with the root as node 0; then those of the groups.
     pub nodes: Vec<BvhNode>,
-    /// Unbounded objects, then the bounded ones in the order of the hierarchy's leaves.
+    /// Unbounded objects, then the bounded ones in the order of the hierarchy's leaves, then those of groups.
     pub objects: Vec<ObjectRecord>,
     /// Indexed by `ShapeRecord::material`.
     pub materials: Vec<MaterialRecord>,
@@ -38,6 +41,8 @@ pub struct CompiledScene {
     /// Normals and texture coordinates of triangles, and frames for channels that look at the position, found
     /// through `SurfaceRecord::attributes`.
     pub attributes: Vec<[f32; 4]>,
+    /// What objects and instances come from, by `SurfaceRecord::source`.
+    pub origins: Vec<Origin>,
     triangles: usize,
 }
 
@@ -98,6 +103,18 @@ pub enum CompileError {
         /// Position of the channel.
         channel: usize,
     },
+    /// Instances within instances multiply to more than can be stored.
+    #[error("the scene has more than {most} instances, counted through nested ones; use fewer of them")]
+    TooManyInstances {
+        /// What is accepted.
+        most: usize,
+    },
+    /// A group contains itself, or nearly so.
+    #[error("instances are nested more than {deepest} deep, or a group contains itself")]
+    NestedInstances {
+        /// What is accepted.
+        deepest: usize,
+    },
     /// The camera's numbers make no picture.
     #[error("the camera cannot be used: its placement or opening angle is zero or not a number")]
     DegenerateCamera,
@@ -123,6 +140,8 @@ pub fn compile(scene: &Scene) -> Result<CompiledScene, CompileError> {
 /// # Errors
 /// As [`compile`].
 pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<CompiledScene, CompileError> {
+    let placements = instances::placements(scene)?;
+    let scene = &*instances::with_raised_members(scene, &placements);
     let bounds = scene.bounds();
     let world_from_camera = scene.camera.view_from_world.inverse();
     let origin = match bounds {
@@ -134,11 +153,16 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
     let Materials { records: materials, channels, texels, not_opaque } =
         materials::compile_materials(scene, origin)?;
     let lights = lights::compile_lights(scene, &local_from_world);
-    let mut primitives =
-        objects::compile_objects(scene, &local_from_world, &not_opaque, &materials, &lights.of_object)?;
-    let triangles = primitives.triangles;
-    let attributes = std::mem::take(&mut primitives.attributes);
-    let hierarchy = bvh::arrange(primitives, acceleration);
+    let Objects { scene: primitives, groups, attributes, origins, triangles } = objects::compile_objects(
+        scene,
+        &placements,
+        &local_from_world,
+        &not_opaque,
+        &materials,
+        &lights.of_object,
+        acceleration,
+    )?;
+    let hierarchy = bvh::arrange(primitives, groups, acceleration);
 
     let local_bounds = bounds.map(|(low, high)| (low - origin, high - origin));
     let mut header = camera::compile_camera(&scene.camera, &local_from_world, local_bounds)?;
@@ -156,6 +180,7 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
         texels,
         lights: lights.records,
         attributes,
+        origins,
         triangles,
     })
 }

@@ -1,247 +1,338 @@
-use super::triangles::placed_triangles;
-use super::{CompileError, affine, count};
-use kernels::records::kernel::{
-    FLAG_BASE_OPEN, FLAG_NOT_OPAQUE, FLAG_TOP_OPEN, MaterialRecord, NONE, ObjectRecord, SHAPE_BOX,
-    SHAPE_FRUSTUM, SHAPE_PARALLELOGRAM, SHAPE_PLANE, SHAPE_SPHERE, SHAPE_TRIANGLE, ShapeRecord,
-    SurfaceRecord,
-};
-use scene::{DAffine3, DMat3, DVec3, Object, Scene, Shape};
+//! The objects of a scene as records: those that stand for themselves, groups, and their instances.
 
-/// The objects as records with their boxes.
+use super::instances::{Placement, stays_in_group};
+use super::triangles::placed_triangles;
+use super::unit_shapes::{UnitShape, object_from_unit, unit_bounds, unit_shape};
+use super::{Acceleration, CompileError, affine, count};
+use kernels::records::kernel::{
+    FLAG_NOT_OPAQUE, MaterialRecord, NONE, ObjectRecord, SHAPE_INSTANCE, ShapeRecord, SurfaceRecord,
+};
+use scene::{DAffine3, DVec3, MaterialId, MeshId, Object, Origin, Scene, Shape, VisibleSides};
+use std::collections::HashMap;
+
+/// Objects as records with their boxes.
+#[derive(Default)]
 pub(super) struct Primitives {
     pub unbounded: Vec<ObjectRecord>,
     pub bounded: Vec<ObjectRecord>,
     /// Box of every bounded object as (minimum, maximum), in the same order.
     pub boxes: Vec<(DVec3, DVec3)>,
-    pub triangles: usize,
+}
+
+/// All objects of a scene.
+pub(super) struct Objects {
+    /// Those that stand for themselves, and the instances; these have the number of their group in the field
+    /// `material`.
+    pub scene: Primitives,
+    /// Members of the groups that instances refer to, at least two in each.
+    pub groups: Vec<Primitives>,
     /// Table of the attributes of triangles, and of the frames of objects whose materials look at the position.
     pub attributes: Vec<[f32; 4]>,
+    /// What objects and instances come from, by `SurfaceRecord::source`.
+    pub origins: Vec<Origin>,
+    /// Number of triangles of all meshes, counted as often as they are drawn.
+    pub triangles: usize,
 }
 
-/// A unit shape of the kernels and its placement.
-pub(super) struct UnitShape {
-    pub kind: u32,
-    pub local_from_unit: DAffine3,
-    pub base_radius: f64,
-    pub top_radius: f64,
-    pub v_scale: f64,
-    /// First entry in the table of attributes, or `NONE`; see the kernels' modules `mesh` and `coordinates`.
-    pub attributes: u32,
-}
+/// A mesh that is drawn several times with one material becomes a group if it has more triangles than this; smaller
+/// ones are cheaper as copies.
+const FEW_TRIANGLES: usize = 8;
 
-/// A frustum whose radii differ by less than this fraction is a cylinder (scene-format.md 4.1).
-const NEAR_CYLINDER: f64 = 1e-3;
-/// A frustum whose smaller radius is less than this fraction of the other is a cone.
-const NEAR_CONE: f64 = 1e-3;
+/// What a mesh looks like wherever it is placed.
+type MeshKey = (MeshId, VisibleSides, MaterialId);
 
-pub(super) fn compile_objects(
-    scene: &Scene,
-    local_from_world: &DAffine3,
-    not_opaque: &[bool],
-    materials: &[MaterialRecord],
-    light_of_object: &[u32],
-) -> Result<Primitives, CompileError> {
-    let mut primitives = Primitives {
-        unbounded: Vec::new(),
-        bounded: Vec::with_capacity(scene.objects.len()),
-        boxes: Vec::with_capacity(scene.objects.len()),
-        triangles: 0,
-        attributes: Vec::new(),
-    };
-    for (index, object) in scene.objects.iter().enumerate() {
-        let degenerate = || CompileError::DegenerateObject {
-            type_name: scene.type_names.get(object.origin.type_name.index()).cloned().unwrap_or_default(),
-            node: object.origin.node,
-        };
-        let local_from_object = *local_from_world * object.world_from_object;
-        let add = |primitives: &mut Primitives, unit: UnitShape| -> Result<(), CompileError> {
-            let unit_from_local = unit.local_from_unit.inverse();
-            let determinant = unit.local_from_unit.matrix3.determinant();
-            if determinant == 0.0 || !determinant.is_finite() || !unit_from_local.is_finite() {
-                return Err(degenerate());
-            }
-            let flags = if not_opaque[object.material.index()] { FLAG_NOT_OPAQUE } else { 0 };
-            let record = ObjectRecord {
-                shape: ShapeRecord {
-                    object_from_world: affine(&unit_from_local),
-                    kind: unit.kind | flags,
-                    material: object.material.0,
-                    base_radius: unit.base_radius as f32,
-                    top_radius: unit.top_radius as f32,
-                },
-                surface: SurfaceRecord {
-                    world_from_object: affine(&unit.local_from_unit),
-                    v_scale: unit.v_scale as f32,
-                    light: light_of_object.get(index).copied().unwrap_or(NONE),
-                    source: count(index),
-                    attributes: unit.attributes,
-                },
-            };
-            match unit_bounds(&unit) {
-                Some(bounds) => {
-                    primitives.bounded.push(record);
-                    primitives.boxes.push(bounds);
-                }
-                None => primitives.unbounded.push(record),
-            }
-            Ok(())
-        };
-        let uses_position = materials[object.material.index()].uses_position != 0;
-        match object.shape {
-            Shape::Mesh { mesh: id, visible_sides } => {
-                let mesh = &scene.meshes[id.index()];
-                let mut attributes = std::mem::take(&mut primitives.attributes);
-                let sides = visible_sides;
-                for triangle in
-                    placed_triangles(mesh, sides, &local_from_object, uses_position, &mut attributes)
-                {
-                    add(&mut primitives, triangle)?;
-                }
-                primitives.attributes = attributes;
-                primitives.triangles += mesh.triangles.len();
-            }
-            _ => {
-                let mut unit = unit_shape(object, &local_from_object);
-                if uses_position {
-                    unit.attributes = count(primitives.attributes.len());
-                    primitives.attributes.extend(object_from_unit(&unit, &local_from_object));
-                }
-                add(&mut primitives, unit)?;
-            }
-        }
-    }
-    Ok(primitives)
-}
-
-/// Rows of the matrix from a unit shape to the frame of its object, for channels that look at the position.
-pub(super) fn object_from_unit(unit: &UnitShape, local_from_object: &DAffine3) -> [[f32; 4]; 3] {
-    let rows = affine(&(local_from_object.inverse() * unit.local_from_unit));
-    [rows.row0, rows.row1, rows.row2].map(|row| [row.x, row.y, row.z, row.w])
-}
-
-/// The unit shape of an analytic object.
-///
-/// # Panics
-/// For meshes, which consist of many.
-fn unit_shape(object: &Object, local_from_object: &DAffine3) -> UnitShape {
-    let scaled = |kind: u32, scale: DVec3, z: f64| UnitShape {
-        kind,
-        local_from_unit: *local_from_object
-            * DAffine3::from_translation(DVec3::new(0.0, 0.0, z))
-            * DAffine3::from_scale(scale),
-        base_radius: 1.0,
-        top_radius: 1.0,
-        v_scale: 1.0,
-        attributes: NONE,
-    };
-    let round = |base: f64, top: f64, length: f64, base_open: bool, top_open: bool, scale_v: bool| {
-        let radius = base.max(top);
-        let flags = if base_open { FLAG_BASE_OPEN } else { 0 } | if top_open { FLAG_TOP_OPEN } else { 0 };
-        let (base, top) = regular_radii(base / radius, top / radius);
-        UnitShape {
-            base_radius: base,
-            top_radius: top,
-            v_scale: if scale_v { length } else { 1.0 },
-            ..scaled(SHAPE_FRUSTUM | flags, DVec3::new(radius, radius, length), 0.0)
-        }
-    };
+fn mesh_key(object: &Object) -> Option<MeshKey> {
     match object.shape {
-        Shape::Sphere { radius } => scaled(SHAPE_SPHERE, DVec3::splat(radius), 0.0),
-        Shape::Box { width, height, length } => {
-            scaled(SHAPE_BOX, 0.5 * DVec3::new(width, height, length), 0.5 * length)
-        }
-        Shape::Cylinder { radius, length, base_open, top_open, scale_v } => {
-            round(radius, radius, length, base_open, top_open, scale_v)
-        }
-        // A cone has no surface at its apex.
-        Shape::Cone { radius, length, open, scale_v } => round(radius, 0.0, length, open, true, scale_v),
-        Shape::Frustum { base_radius, top_radius, length, base_open, top_open, scale_v } => {
-            round(base_radius, top_radius, length, base_open, top_open, scale_v)
-        }
-        Shape::Plane => scaled(SHAPE_PLANE, DVec3::ONE, 0.0),
-        Shape::Parallelogram { length, axis, scale_v } => {
-            let u = local_from_object.transform_vector3(axis);
-            let v = local_from_object.transform_vector3(DVec3::new(0.0, 0.0, length));
-            let mut unit = flat(
-                SHAPE_PARALLELOGRAM,
-                local_from_object.translation,
-                u,
-                v,
-                local_from_object.matrix3.determinant().signum() * length.signum(),
-            );
-            unit.v_scale = if scale_v { length } else { 1.0 };
-            unit
-        }
-        Shape::Mesh { .. } => unreachable!("meshes are compiled triangle by triangle"),
-    }
-}
-
-fn regular_radii(base: f64, top: f64) -> (f64, f64) {
-    if (base - top).abs() <= NEAR_CYLINDER {
-        return (1.0, 1.0);
-    }
-    let regular = |radius: f64| if radius < NEAR_CONE { 0.0 } else { radius };
-    (regular(base), regular(top))
-}
-
-/// A flat shape spanned by `u` along unit x and `v` along unit z. Unit y is the unit normal, so that distances
-/// from the plane are in metres; it points to v × u, or the other way for `side` -1.
-pub(super) fn flat(kind: u32, origin: DVec3, u: DVec3, v: DVec3, side: f64) -> UnitShape {
-    // A triangle a, b, c is counter-clockwise round (b - a) × (c - a), a parallelogram's front is z × axis.
-    let normal = if kind == SHAPE_TRIANGLE { u.cross(v) } else { v.cross(u) };
-    UnitShape {
-        kind,
-        local_from_unit: DAffine3::from_mat3_translation(
-            DMat3::from_cols(u, normal.normalize_or_zero() * side, v),
-            origin,
-        ),
-        base_radius: 1.0,
-        top_radius: 1.0,
-        v_scale: 1.0,
-        attributes: NONE,
-    }
-}
-
-/// Tight box of a placed unit shape as (minimum, maximum); `None` if it is infinite.
-fn unit_bounds(unit: &UnitShape) -> Option<(DVec3, DVec3)> {
-    let m = unit.local_from_unit.matrix3;
-    let centre = unit.local_from_unit.translation;
-    match unit.kind & kernels::records::kernel::SHAPE_MASK {
-        SHAPE_SPHERE => {
-            // Extent of an ellipsoid along an axis: the length of that row of the matrix.
-            let rows = m.transpose();
-            let extent = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
-            Some((centre - extent, centre + extent))
-        }
-        SHAPE_BOX => {
-            let extent = m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs();
-            Some((centre - extent, centre + extent))
-        }
-        SHAPE_FRUSTUM => {
-            // Hull of the two end discs.
-            let disc = |middle: DVec3, radius: f64| {
-                let x = m.x_axis * radius;
-                let y = m.y_axis * radius;
-                let extent = DVec3::new(x.x.hypot(y.x), x.y.hypot(y.y), x.z.hypot(y.z));
-                (middle - extent, middle + extent)
-            };
-            let base = disc(centre, unit.base_radius);
-            let top = disc(centre + m.z_axis, unit.top_radius);
-            Some((base.0.min(top.0), base.1.max(top.1)))
-        }
-        SHAPE_PARALLELOGRAM => Some(hull([
-            centre - m.x_axis,
-            centre + m.x_axis,
-            centre + m.x_axis + m.z_axis,
-            centre - m.x_axis + m.z_axis,
-        ])),
-        SHAPE_TRIANGLE => Some(hull([centre, centre + m.x_axis, centre + m.z_axis, centre])),
+        Shape::Mesh { mesh, visible_sides } => Some((mesh, visible_sides, object.material)),
         _ => None,
     }
 }
 
-fn hull(corners: [DVec3; 4]) -> (DVec3, DVec3) {
-    let low = corners.into_iter().fold(corners[0], DVec3::min);
-    let high = corners.into_iter().fold(corners[0], DVec3::max);
-    (low, high)
+/// Compiles the objects of a scene; lamps, lights and planes of groups are among its own objects already.
+pub(super) fn compile_objects(
+    scene: &Scene,
+    placements: &[Placement],
+    local_from_world: &DAffine3,
+    not_opaque: &[bool],
+    materials: &[MaterialRecord],
+    light_of_object: &[u32],
+    acceleration: Acceleration,
+) -> Result<Objects, CompileError> {
+    let mut compiler = Compiler {
+        scene,
+        not_opaque,
+        materials,
+        instancing: acceleration == Acceleration::Bvh,
+        mesh_groups: HashMap::new(),
+        centres: Vec::new(),
+        objects: Objects {
+            scene: Primitives::default(),
+            groups: Vec::new(),
+            attributes: Vec::new(),
+            origins: Vec::new(),
+            triangles: 0,
+        },
+    };
+    let group_of = compiler.compile_groups(placements)?;
+    let is_copied = |placement: &&Placement| group_of[placement.group].is_none();
+    compiler.find_repeated_meshes(placements.iter().filter(is_copied))?;
+
+    let mut level = Primitives::default();
+    for (index, object) in scene.objects.iter().enumerate() {
+        let source = compiler.add_origin(object.origin);
+        let light = light_of_object.get(index).copied().unwrap_or(NONE);
+        let local_from_object = *local_from_world * object.world_from_object;
+        compiler.add(&mut level, object, &local_from_object, source, light)?;
+    }
+    for placement in placements {
+        let local_from_group = *local_from_world * placement.world_from_group;
+        if let Some(group) = group_of[placement.group] {
+            let source = compiler.add_origin(placement.origin);
+            compiler.add_instance(&mut level, group, &local_from_group, source)?;
+            continue;
+        }
+        for object in scene.groups[placement.group].objects.iter().filter(|object| stays_in_group(object)) {
+            let source = compiler.add_origin(object.origin);
+            compiler.add(&mut level, object, &(local_from_group * object.world_from_object), source, NONE)?;
+        }
+    }
+    compiler.objects.scene = level;
+    Ok(compiler.objects)
+}
+
+struct Compiler<'a> {
+    scene: &'a Scene,
+    not_opaque: &'a [bool],
+    materials: &'a [MaterialRecord],
+    /// Whether repeated geometry is stored once.
+    instancing: bool,
+    /// Groups that are made of meshes.
+    mesh_groups: HashMap<MeshKey, usize>,
+    /// Middle of every compiled group: its records are relative to it, so that their numbers are small.
+    centres: Vec<DVec3>,
+    objects: Objects,
+}
+
+impl Compiler<'_> {
+    fn add_origin(&mut self, origin: Origin) -> u32 {
+        self.objects.origins.push(origin);
+        count(self.objects.origins.len() - 1)
+    }
+
+    /// Compiles the groups that are worth it. For every group of the scene its number among the compiled ones;
+    /// the members of the others are copied to every place.
+    fn compile_groups(&mut self, placements: &[Placement]) -> Result<Vec<Option<usize>>, CompileError> {
+        let mut uses = vec![0usize; self.scene.groups.len()];
+        for placement in placements {
+            uses[placement.group] += 1;
+        }
+        let mut numbers = vec![None; uses.len()];
+        for (index, group) in self.scene.groups.iter().enumerate() {
+            if uses[index] < 2 || !self.instancing {
+                continue;
+            }
+            let members: Vec<&Object> =
+                group.objects.iter().filter(|object| stays_in_group(object)).collect();
+            if members.len() < 2 && !members.iter().any(|object| mesh_key(object).is_some()) {
+                continue;
+            }
+            let bounds = members.iter().filter_map(|object| object.bounds(&self.scene.meshes));
+            let bounds = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+            let centre = bounds.map_or(DVec3::ZERO, |(low, high)| 0.5 * (low + high));
+            let mut level = Primitives::default();
+            for object in members {
+                let source = self.add_origin(object.origin);
+                let placed = DAffine3::from_translation(-centre) * object.world_from_object;
+                self.add(&mut level, object, &placed, source, NONE)?;
+            }
+            numbers[index] = self.keep_group(level, centre);
+        }
+        Ok(numbers)
+    }
+
+    /// Keeps a group if it has the two members that the root of a hierarchy needs.
+    fn keep_group(&mut self, level: Primitives, centre: DVec3) -> Option<usize> {
+        if level.bounded.len() < 2 {
+            return None;
+        }
+        self.objects.groups.push(level);
+        self.centres.push(centre);
+        Some(self.objects.groups.len() - 1)
+    }
+
+    /// Makes groups of the meshes that are drawn several times outside groups.
+    fn find_repeated_meshes<'b>(
+        &mut self,
+        copied: impl Iterator<Item = &'b Placement>,
+    ) -> Result<(), CompileError> {
+        if !self.instancing {
+            return Ok(());
+        }
+        let scene = self.scene;
+        let mut uses: HashMap<MeshKey, usize> = HashMap::new();
+        let of_groups = copied.flat_map(|placement| &scene.groups[placement.group].objects);
+        for key in scene.objects.iter().chain(of_groups).filter_map(mesh_key) {
+            *uses.entry(key).or_default() += 1;
+        }
+        // In the order of the scene, so that the same scene always gives the same tables.
+        let mut repeated: Vec<MeshKey> =
+            uses.into_iter().filter(|(_, n)| *n > 1).map(|(key, _)| key).collect();
+        repeated.sort_unstable();
+        for (id, visible_sides, material) in repeated {
+            let mesh = &scene.meshes[id.index()];
+            if mesh.triangles.len() <= FEW_TRIANGLES {
+                continue;
+            }
+            let Some((low, high)) = mesh.bounds(&DAffine3::IDENTITY) else { continue };
+            let centre = 0.5 * (low + high);
+            let mut level = Primitives::default();
+            let place = DAffine3::from_translation(-centre);
+            // The triangles come from what the instance comes from.
+            self.add_triangles(&mut level, (id, visible_sides, material), &place, NONE)?;
+            if let Some(group) = self.keep_group(level, centre) {
+                self.mesh_groups.insert((id, visible_sides, material), group);
+            }
+        }
+        Ok(())
+    }
+
+    fn add(
+        &mut self,
+        level: &mut Primitives,
+        object: &Object,
+        local_from_object: &DAffine3,
+        source: u32,
+        light: u32,
+    ) -> Result<(), CompileError> {
+        if let Some(key) = mesh_key(object) {
+            self.objects.triangles += self.scene.meshes[key.0.index()].triangles.len();
+            if let Some(&group) = self.mesh_groups.get(&key) {
+                return self.add_instance(level, group, local_from_object, source);
+            }
+            return self.add_triangles(level, key, local_from_object, source);
+        }
+        let mut unit = unit_shape(object, local_from_object);
+        if self.uses_position(object.material) {
+            unit.attributes = count(self.objects.attributes.len());
+            self.objects.attributes.extend(object_from_unit(&unit, local_from_object));
+        }
+        self.add_unit(level, &unit, object.material.0, self.flags(object.material), source, light)
+    }
+
+    fn add_triangles(
+        &mut self,
+        level: &mut Primitives,
+        (id, visible_sides, material): MeshKey,
+        local_from_object: &DAffine3,
+        source: u32,
+    ) -> Result<(), CompileError> {
+        let mesh = &self.scene.meshes[id.index()];
+        let mut attributes = std::mem::take(&mut self.objects.attributes);
+        let position = self.uses_position(material);
+        for triangle in placed_triangles(mesh, visible_sides, local_from_object, position, &mut attributes) {
+            self.add_unit(level, &triangle, material.0, self.flags(material), source, NONE)?;
+        }
+        self.objects.attributes = attributes;
+        Ok(())
+    }
+
+    /// Adds a compiled group as one object.
+    fn add_instance(
+        &mut self,
+        level: &mut Primitives,
+        group: usize,
+        local_from_group: &DAffine3,
+        source: u32,
+    ) -> Result<(), CompileError> {
+        let members = &self.objects.groups[group];
+        let any_not_opaque = members.bounded.iter().fold(0, |all, object| all | object.shape.kind);
+        let corners = members.boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let unit = UnitShape {
+            kind: SHAPE_INSTANCE,
+            local_from_unit: *local_from_group * DAffine3::from_translation(self.centres[group]),
+            base_radius: 1.0,
+            top_radius: 1.0,
+            v_scale: 1.0,
+            attributes: NONE,
+        };
+        let box_of_group = corners.map(|corners| box_round(&unit.local_from_unit, corners));
+        let flags = any_not_opaque & FLAG_NOT_OPAQUE;
+        let record = self.record(&unit, count(group), flags, source, NONE)?;
+        level.bounded.push(record);
+        level.boxes.push(box_of_group.unwrap_or_default());
+        Ok(())
+    }
+
+    fn uses_position(&self, material: MaterialId) -> bool {
+        self.materials[material.index()].uses_position != 0
+    }
+
+    fn flags(&self, material: MaterialId) -> u32 {
+        if self.not_opaque[material.index()] { FLAG_NOT_OPAQUE } else { 0 }
+    }
+
+    fn add_unit(
+        &self,
+        level: &mut Primitives,
+        unit: &UnitShape,
+        material: u32,
+        flags: u32,
+        source: u32,
+        light: u32,
+    ) -> Result<(), CompileError> {
+        let record = self.record(unit, material, flags, source, light)?;
+        match unit_bounds(unit) {
+            Some(bounds) => {
+                level.bounded.push(record);
+                level.boxes.push(bounds);
+            }
+            None => level.unbounded.push(record),
+        }
+        Ok(())
+    }
+
+    fn record(
+        &self,
+        unit: &UnitShape,
+        material: u32,
+        flags: u32,
+        source: u32,
+        light: u32,
+    ) -> Result<ObjectRecord, CompileError> {
+        let unit_from_local = unit.local_from_unit.inverse();
+        let determinant = unit.local_from_unit.matrix3.determinant();
+        if determinant == 0.0 || !determinant.is_finite() || !unit_from_local.is_finite() {
+            let origin = self.objects.origins.get(source as usize);
+            let name = origin.and_then(|origin| self.scene.type_names.get(origin.type_name.index()));
+            return Err(CompileError::DegenerateObject {
+                type_name: name.cloned().unwrap_or_default(),
+                node: origin.map_or(0, |origin| origin.node),
+            });
+        }
+        Ok(ObjectRecord {
+            shape: ShapeRecord {
+                object_from_world: affine(&unit_from_local),
+                kind: unit.kind | flags,
+                material,
+                base_radius: unit.base_radius as f32,
+                top_radius: unit.top_radius as f32,
+            },
+            surface: SurfaceRecord {
+                world_from_object: affine(&unit.local_from_unit),
+                v_scale: unit.v_scale as f32,
+                light,
+                source,
+                attributes: unit.attributes,
+            },
+        })
+    }
+}
+
+/// Box of a transformed box.
+fn box_round(matrix: &DAffine3, (low, high): (DVec3, DVec3)) -> (DVec3, DVec3) {
+    let centre = matrix.transform_point3(0.5 * (low + high));
+    let half = 0.5 * (high - low);
+    let m = matrix.matrix3;
+    let extent = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
+    (centre - extent, centre + extent)
 }

@@ -1,7 +1,7 @@
 //! Triangles of a mesh as unit shapes, with their entries in the table of attributes.
 
 use super::count;
-use super::objects::{UnitShape, flat, object_from_unit};
+use super::unit_shapes::{UnitShape, flat, object_from_unit};
 use kernels::records::kernel::{FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, SHAPE_TRIANGLE};
 use scene::{DAffine3, DVec3, Mesh, VisibleSides};
 
