@@ -6,8 +6,10 @@
 //! errors, with file and line. No recursion depends on the input, so chains of any depth can be read.
 
 mod archive;
+mod blends;
 mod body;
 mod build;
+mod carpenter;
 mod channel_maps;
 mod channels;
 mod classes;
@@ -21,6 +23,7 @@ mod java_stream;
 mod lights;
 mod meshes;
 pub mod modules;
+mod normal_maps;
 mod output;
 mod registry;
 mod report;
@@ -31,6 +34,7 @@ mod turtle_state;
 mod types;
 mod values;
 mod view;
+mod volume_maps;
 mod xml;
 
 pub use archive::Limits;
