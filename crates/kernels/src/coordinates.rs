@@ -125,8 +125,7 @@ pub mod kernel {
         Tangents { du, dv }
     }
 
-    /// Tangents at the point `p` of a unit shape in its own space: the derivatives of the inverse of
-    /// `texture_coordinates`.
+    /// Tangents at the point `p` of a unit shape in its own space.
     pub fn unit_tangents<S: SceneAccess + Copy>(
         scene: S,
         shape: ShapeRecord,
@@ -134,11 +133,16 @@ pub mod kernel {
         face: u32,
         p: Vec3f,
     ) -> Tangents {
-        let kind = shape.kind & SHAPE_MASK;
-        let v_scale = away_from_zero(surface.v_scale);
-        if kind == SHAPE_TRIANGLE {
+        if (shape.kind & SHAPE_MASK) == SHAPE_TRIANGLE {
             return triangle_tangents::<S>(scene, surface);
         }
+        shape_tangents(shape, surface.v_scale, face, p)
+    }
+
+    /// Tangents of the analytic shapes: the derivatives of the inverse of `texture_coordinates`.
+    pub fn shape_tangents(shape: ShapeRecord, v_factor: f32, face: u32, p: Vec3f) -> Tangents {
+        let kind = shape.kind & SHAPE_MASK;
+        let v_scale = away_from_zero(v_factor);
         if kind == SHAPE_PARALLELOGRAM {
             return Tangents { du: vec3f(2.0, 0.0, 0.0), dv: vec3f(0.0, 0.0, 1.0 / v_scale) };
         }
@@ -167,5 +171,47 @@ pub mod kernel {
     /// Tangents carried by a matrix.
     pub fn transform_tangents(matrix: Affine, tangents: Tangents) -> Tangents {
         Tangents { du: transform_vector(matrix, tangents.du), dv: transform_vector(matrix, tangents.dv) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::kernel::*;
+    use crate::records::kernel::*;
+    use crate::shape::kernel::*;
+    use wgsl_rs::std::*;
+
+    #[test]
+    fn texture_coordinates_grow_along_the_tangents() {
+        let zero = vec4f(0.0, 0.0, 0.0, 0.0);
+        let identity = Affine { row0: zero, row1: zero, row2: zero };
+        let p = vec3f(0.5, 0.3, 0.4);
+        for (kind, faces) in [
+            (SHAPE_SPHERE, 0..1),
+            (SHAPE_BOX, 0..6),
+            (SHAPE_FRUSTUM, 0..3),
+            (SHAPE_PLANE, 0..1),
+            (SHAPE_PARALLELOGRAM, 0..1),
+        ] {
+            let shape = ShapeRecord {
+                object_from_world: identity,
+                kind,
+                material: 0,
+                base_radius: 1.0,
+                top_radius: 0.7,
+            };
+            for face in faces {
+                let on = |p: Vec3f| snap_to_surface(shape, face, p);
+                let uv = |p: Vec3f| texture_coordinates(shape, 1.5, face, p);
+                let p = on(p);
+                let tangents = shape_tangents(shape, 1.5, face, p);
+                let step = 1.0e-3;
+                for (tangent, du, dv) in [(tangents.du, step, 0.0), (tangents.dv, 0.0, step)] {
+                    let (before, after) = (uv(p), uv(on(p + tangent * step)));
+                    let error = (after.x - before.x - du).abs().max((after.y - before.y - dv).abs());
+                    assert!(error < 2.0e-5, "shape {kind}, face {face}: {error}");
+                }
+            }
+        }
     }
 }
