@@ -460,6 +460,13 @@ fn all_maps_agree_with_their_definitions() {
     let on_mesh = |p: DVec2| p.x.abs() < 0.8 && p.y.abs() < 0.8;
     let shape = Shape::Mesh { mesh, visible_sides: VisibleSides::Both };
     picture.body("Mesh", shape, move |p| on_mesh(p).then_some(0.2 + 0.125 * (p.x + p.y)));
+    picture.check();
+}
+
+#[test]
+fn normal_maps_bend_the_shading_normal() {
+    // A picture of its own: the light of glowing bodies would be scattered, too.
+    let mut picture = Picture { builder: Builder::new(), expected: Vec::new(), names: Vec::new() };
     add_bumps(&mut picture);
     picture.check();
 }
