@@ -335,7 +335,7 @@ fn intersect_frustum(shape: ShapeRecord, ray: Ray, t_min: f32, t_max: f32) -> Sh
     let half_b = (((p.x * d.x) + (p.y * d.y)) - ((radius * slope) * d.z));
     let c = (((p.x * p.x) + (p.y * p.y)) - (radius * radius));
     let discriminant = ((half_b * half_b) - (a * c));
-    if (discriminant >= 0.0) {
+    if (discriminant > 0.0) {
         let root = sqrt(discriminant);
         let q = -(half_b + select(-root, root, (half_b >= 0.0)));
         let t0 = (t_mid + (c / away_from_zero(q)));
@@ -710,6 +710,34 @@ fn box_tangents(face: u32) -> Tangents {
     return Tangents(du, dv);
 }
 
+fn shape_tangents(shape: ShapeRecord, v_factor: f32, face: u32, p: vec3f) -> Tangents {
+    let kind = (shape.kind & SHAPE_MASK);
+    let v_scale = away_from_zero(v_factor);
+    if (kind == SHAPE_PARALLELOGRAM) {
+        return Tangents(vec3f(2.0, 0.0, 0.0), vec3f(0.0, 0.0, (1.0 / v_scale)));
+    }
+    if (kind == SHAPE_PLANE) {
+        return Tangents(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0));
+    }
+    if (kind == SHAPE_BOX) {
+        return box_tangents(face);
+    }
+    let round = (vec3f(-p.y, p.x, 0.0) * TWO_PI);
+    let radial = max(sqrt(((p.x * p.x) + (p.y * p.y))), 1.0e-6);
+    if (kind == SHAPE_SPHERE) {
+        let up = vec3f(((-p.z * p.x) / radial), ((-p.z * p.y) / radial), radial);
+        return Tangents(round, (up * (0.5 * TWO_PI)));
+    }
+    if (face == 0u) {
+        let slope = (shape.top_radius - shape.base_radius);
+        let up = vec3f(((slope * p.x) / radial), ((slope * p.y) / radial), 1.0);
+        return Tangents(round, (up * (1.0 / v_scale)));
+    }
+    let diameter = (2.0 * select(shape.top_radius, shape.base_radius, (face == 1u)));
+    let dv = vec3f(0.0, select(diameter, -diameter, (face == 1u)), 0.0);
+    return Tangents(vec3f(diameter, 0.0, 0.0), dv);
+}
+
 fn transform_tangents(matrix: Affine, tangents: Tangents) -> Tangents {
     return Tangents(transform_vector(matrix, tangents.du), transform_vector(matrix, tangents.dv));
 }
@@ -767,34 +795,10 @@ fn unit_tangents_Buffers(
     face: u32,
     p: vec3f,
 ) -> Tangents {
-    let kind = (shape.kind & SHAPE_MASK);
-    let v_scale = away_from_zero(surface.v_scale);
-    if (kind == SHAPE_TRIANGLE) {
+    if ((shape.kind & SHAPE_MASK) == SHAPE_TRIANGLE) {
         return triangle_tangents_Buffers(scene, surface);
     }
-    if (kind == SHAPE_PARALLELOGRAM) {
-        return Tangents(vec3f(2.0, 0.0, 0.0), vec3f(0.0, 0.0, (1.0 / v_scale)));
-    }
-    if (kind == SHAPE_PLANE) {
-        return Tangents(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0));
-    }
-    if (kind == SHAPE_BOX) {
-        return box_tangents(face);
-    }
-    let round = (vec3f(-p.y, p.x, 0.0) * TWO_PI);
-    let radial = max(sqrt(((p.x * p.x) + (p.y * p.y))), 1.0e-6);
-    if (kind == SHAPE_SPHERE) {
-        let up = vec3f(((-p.z * p.x) / radial), ((-p.z * p.y) / radial), radial);
-        return Tangents(round, (up * (0.5 * TWO_PI)));
-    }
-    if (face == 0u) {
-        let slope = (shape.top_radius - shape.base_radius);
-        let up = vec3f(((slope * p.x) / radial), ((slope * p.y) / radial), 1.0);
-        return Tangents(round, (up * (1.0 / v_scale)));
-    }
-    let diameter = (2.0 * select(shape.top_radius, shape.base_radius, (face == 1u)));
-    let dv = vec3f(0.0, select(diameter, -diameter, (face == 1u)), 0.0);
-    return Tangents(vec3f(diameter, 0.0, 0.0), dv);
+    return shape_tangents(shape, surface.v_scale, face, p);
 }
 
 fn world_from_unit_Buffers(scene: Buffers, instance: u32, surface: SurfaceRecord) -> Affine {
