@@ -1,4 +1,5 @@
-//! Channels of Phong shaders: constants, pictures and the maps of `channel_maps`.
+//! Channels of Phong shaders: constants, pictures and the maps of the modules `channel_maps`, `volume_maps`,
+//! `blends`, `normal_maps` and `carpenter`.
 
 use crate::ReadError;
 use crate::fields::{number_of, wrong_value};
@@ -10,7 +11,7 @@ use crate::output::Output;
 use crate::registry::Registry;
 use crate::report::Location;
 use crate::values::{Kind, Members, Value, parse_number, tokens};
-use scene::{Channel, ChannelId, CoordinateMap, ImageId, Phong, Rgb};
+use scene::{Channel, ChannelId, CoordinateMap, Effort, ImageId, Phong, Rgb};
 use std::collections::HashMap;
 
 /// Average colour of a shader.
@@ -70,6 +71,9 @@ pub(crate) struct Channels<'a> {
     /// What the nodes of maps became; `None` while one is being read.
     by_node: HashMap<NodeIndex, Option<ChannelId>>,
     means: Vec<Rgb>,
+    efforts: Vec<Effort>,
+    /// Pictures of `Carpenter` maps by the bits of their numbers.
+    pub(crate) carpenters: HashMap<[u64; 3], ImageId>,
 }
 
 impl<'a> Channels<'a> {
@@ -81,6 +85,8 @@ impl<'a> Channels<'a> {
             by_value: HashMap::new(),
             by_node: HashMap::new(),
             means: Vec::new(),
+            efforts: Vec::new(),
+            carpenters: HashMap::new(),
         }
     }
 
@@ -101,6 +107,7 @@ impl<'a> Channels<'a> {
         if let Some(value) = self.graph.values.find(fields, "interpolatedTransparency") {
             phong.interpolated_transparency = value.text() != "false";
         }
+        phong.normal_maps = self.normal_maps(fields, out)?;
         Ok(self.with_mean(phong))
     }
 
@@ -197,6 +204,7 @@ impl<'a> Channels<'a> {
         let MapNode { fields, line, .. } = *map;
         let constant = match map.short_class() {
             "RGBColor" => color_of(self.graph, value)?,
+            "RGBAShader" => return self.rgba_map(value, map, out),
             "Graytone" => match self.graph.values.find(fields, "value") {
                 Some(gray) => [number_of(self.graph, gray, "Graytone", "value")?; 3],
                 None if value.kind == Kind::Object && value.text.is_some() => {
@@ -205,8 +213,16 @@ impl<'a> Channels<'a> {
                 // The default is unverified.
                 None => [0.5; 3],
             },
-            "ImageMap" => return self.image_map(fields, line, out),
-            "Checker" => return self.checker(fields, line, depth, out),
+            "ChannelSPD" => self.spectral_gray(fields, line, out)?,
+            "ImageMap" => return self.image_map(fields, line, depth, out),
+            "Carpenter" => return self.carpenter(fields, line, depth, out),
+            "Checker" | "VolumeChecker" => return self.checker(map, depth, out),
+            "Gradient" | "Granite" | "Wood" | "Leopard" | "Mandel" | "Julia" | "VolumeTurbulence" => {
+                return self.volume_map(map, depth, out);
+            }
+            "ChannelBlend" => return self.blend(map, depth, out),
+            "Smooth3D" | "Laplace3D" => return self.neighbour_filter(map, depth, out),
+            class if forwards_colors(class) => return self.forwarded(map, depth, out),
             other => {
                 let message =
                     format!("channel maps of class '{other}' are not supported yet; grey is used instead");
@@ -217,10 +233,17 @@ impl<'a> Channels<'a> {
         Ok(self.constant(constant, out))
     }
 
-    fn image_map(&mut self, fields: Members, line: usize, out: &mut Output) -> Result<ChannelId, ReadError> {
-        let find = |name| self.graph.values.find(fields, name);
+    fn image_map(
+        &mut self,
+        fields: Members,
+        line: usize,
+        depth: u32,
+        out: &mut Output,
+    ) -> Result<ChannelId, ReadError> {
+        let graph = self.graph;
+        let find = |name| graph.values.find(fields, name);
         let bilinear = find("bilinearFiltering").is_none_or(|v| v.text() != "false");
-        let coordinates = self.coordinates(fields, line, out)?;
+        let coordinates = self.coordinates(fields, line, depth, out)?;
         let location = self.graph.location(line);
         match find("image").and_then(|image| registry_path(image.text())) {
             Some(path) => self.image(&path, bilinear, coordinates, location, out),
@@ -279,6 +302,16 @@ impl<'a> Channels<'a> {
         mean: Rgb,
         out: &mut Output,
     ) -> ChannelId {
+        let effort = Effort::of(&channel, |id| {
+            self.efforts.get(id.index()).copied().unwrap_or(Effort { steps: 1, pending: 0 })
+        });
+        if !effort.is_bounded() {
+            // The caller's parts are there, but nobody looks at them.
+            let message = "a channel map combines too many blends and filters; grey is used instead";
+            out.report.warn(message, None);
+            return self.constant(MISSING, out);
+        }
+        self.efforts.push(effort);
         let id = out.scene.add_channel(channel);
         self.means.push(mean);
         if let Some(key) = key {
@@ -286,6 +319,11 @@ impl<'a> Channels<'a> {
         }
         id
     }
+}
+
+/// Whether a map answers for colours with those of its input.
+pub(crate) fn forwards_colors(class: &str) -> bool {
+    matches!(class, "AffineUVTransformation" | "XYZTransformation" | "Turbulence" | "BumpMap" | "WaveMap")
 }
 
 const CHANNEL_NAMES: [&str; 8] = [

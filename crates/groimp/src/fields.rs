@@ -83,32 +83,7 @@ impl<'a> Fields<'a> {
             Field::File(value) => value,
             Field::Module(_) | Field::Missing => return Ok((self.module_transform(), None)),
         };
-        if value.kind == Kind::Null {
-            return Ok((DAffine3::IDENTITY, None));
-        }
-        let class = self.graph.values.type_of(value).unwrap_or("");
-        let wrong = |expected| Err(wrong_value(self.graph, value, self.owner(), "transform", expected));
-        match class.rsplit('.').next().unwrap_or("") {
-            "TVector3d" => match parse_numbers(value.text()).as_deref() {
-                Some(&[x, y, z]) => Ok((DAffine3::from_translation(DVec3::new(x, y, z)), None)),
-                _ => wrong("three numbers"),
-            },
-            "TMatrix4d" => match parse_numbers(value.text()).as_deref().and_then(affine) {
-                Some(matrix) => Ok((matrix, None)),
-                None => wrong("sixteen numbers"),
-            },
-            "UniformScale" => match self.graph.values.find(value.members, "scale") {
-                Some(scale) => {
-                    let scale = number_of(self.graph, scale, class, "scale")?;
-                    Ok((DAffine3::from_scale(DVec3::splat(scale)), None))
-                }
-                None => Ok((DAffine3::IDENTITY, None)),
-            },
-            _ => match components::transform(self.graph, class, value)? {
-                Some(transform) => Ok((transform, None)),
-                None => Ok((DAffine3::IDENTITY, Some(class))),
-            },
-        }
+        transform_of(self.graph, value, self.owner())
     }
 
     /// What a module sets through Null's aliases `x`, `y`, `z`, `scale` and `setRotation`; fields of these names are
@@ -127,6 +102,40 @@ impl<'a> Fields<'a> {
 
     fn owner(&self) -> &'a str {
         self.graph.type_name(self.node)
+    }
+}
+
+/// A `Transform3D` of the file, and its class if that is not known here and counts as identity.
+pub(crate) fn transform_of<'a>(
+    graph: &'a Graph,
+    value: &Value,
+    owner: &str,
+) -> Result<(DAffine3, Option<&'a str>), ReadError> {
+    if value.kind == Kind::Null {
+        return Ok((DAffine3::IDENTITY, None));
+    }
+    let class = graph.values.type_of(value).unwrap_or("");
+    let wrong = |expected| Err(wrong_value(graph, value, owner, "transform", expected));
+    match class.rsplit('.').next().unwrap_or("") {
+        "TVector3d" => match parse_numbers(value.text()).as_deref() {
+            Some(&[x, y, z]) => Ok((DAffine3::from_translation(DVec3::new(x, y, z)), None)),
+            _ => wrong("three numbers"),
+        },
+        "TMatrix4d" => match parse_numbers(value.text()).as_deref().and_then(affine) {
+            Some(matrix) => Ok((matrix, None)),
+            None => wrong("sixteen numbers"),
+        },
+        "UniformScale" => match graph.values.find(value.members, "scale") {
+            Some(scale) => {
+                let scale = number_of(graph, scale, class, "scale")?;
+                Ok((DAffine3::from_scale(DVec3::splat(scale)), None))
+            }
+            None => Ok((DAffine3::IDENTITY, None)),
+        },
+        _ => match components::transform(graph, class, value)? {
+            Some(transform) => Ok((transform, None)),
+            None => Ok((DAffine3::IDENTITY, Some(class))),
+        },
     }
 }
 

@@ -6,8 +6,10 @@
 //! errors, with file and line. No recursion depends on the input, so chains of any depth can be read.
 
 mod archive;
+mod blends;
 mod body;
 mod build;
+mod carpenter;
 mod channel_maps;
 mod channels;
 mod classes;
@@ -26,6 +28,7 @@ mod lights;
 mod meshes;
 mod module_lights;
 pub mod modules;
+mod normal_maps;
 mod options;
 mod output;
 mod registry;
@@ -39,6 +42,7 @@ mod turtle_state;
 mod types;
 mod values;
 mod view;
+mod volume_maps;
 mod xml;
 
 pub use archive::Limits;

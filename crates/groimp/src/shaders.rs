@@ -45,7 +45,8 @@ fn hex(rgb: u32) -> Rgb {
 #[derive(Clone, PartialEq, Eq, Hash)]
 enum Key {
     Rgba([u64; 4]),
-    Phong([Option<ChannelId>; 8], bool),
+    /// The coefficients, the flag, and the normal maps as displacement, bits of the numbers, and flag.
+    Phong([Option<ChannelId>; 8], bool, Vec<(ChannelId, [u64; 3], bool)>),
     SideSwitch(MaterialId, MaterialId),
 }
 
@@ -435,7 +436,11 @@ impl<'a> Shaders<'a> {
             phong.ambient,
             phong.emissive,
         ];
-        let key = Key::Phong(channels, phong.interpolated_transparency);
+        let normal_maps = phong.normal_maps.iter().map(|map| {
+            let numbers = [map.scale, map.step.x, map.step.y].map(f64::to_bits);
+            (map.displacement, numbers, map.box_top)
+        });
+        let key = Key::Phong(channels, phong.interpolated_transparency, normal_maps.collect());
         self.material(key, Material::Phong(phong), mean, out)
     }
 

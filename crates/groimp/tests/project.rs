@@ -78,7 +78,7 @@ fn modules_and_named_shaders() {
     let constant = |channel: Option<scene::ChannelId>| match project.scene.channels[channel.unwrap().index()]
     {
         Channel::Constant(color) => color,
-        Channel::ImageMap { .. } | Channel::Checker { .. } => panic!("not a constant"),
+        ref other => panic!("{other:?} is not a constant"),
     };
     let phong = phong(&project, leaf);
     assert_eq!(constant(phong.diffuse), [0.0, 1.0, 0.0]);

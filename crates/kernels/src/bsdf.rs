@@ -10,9 +10,10 @@ use wgsl_rs::wgsl;
 
 #[wgsl]
 pub mod kernel {
+    use crate::channel::kernel::*;
+    use crate::coordinates::kernel::*;
     use crate::medium::kernel::*;
     use crate::records::kernel::*;
-    use crate::texture::kernel::*;
     use crate::warp::kernel::*;
     use wgsl_rs::std::*;
 
@@ -75,17 +76,50 @@ pub mod kernel {
 
     /// Transparency per channel: constant or textured transparency joined with the alpha of the diffuse channel
     /// and the opacity of the material: alpha 0 is clear.
-    pub fn clear_transmission<S: SceneAccess + Copy>(
-        scene: S,
-        material: MaterialRecord,
-        uv: Vec2f,
-        alpha: f32,
-    ) -> Vec3f {
-        let zero = vec4f(0.0, 0.0, 0.0, 1.0);
-        let channel = channel_value::<S>(scene, material.transparency, uv, zero);
+    pub fn clear_transmission(material: MaterialRecord, transparency: Vec4f, alpha: f32) -> Vec3f {
         let cover = alpha * material.opacity;
-        let tau = vec3f(channel.x, channel.y, channel.z);
+        let tau = clamp(
+            vec3f(transparency.x, transparency.y, transparency.z),
+            vec3f(0.0, 0.0, 0.0),
+            vec3f(1.0, 1.0, 1.0),
+        );
         vec3f(1.0 - cover, 1.0 - cover, 1.0 - cover) + tau * cover
+    }
+
+    /// Channels of a material that are read at a point; the first two decide what passes undisturbed.
+    pub const MATERIAL_CHANNELS: u32 = 7;
+    pub const PASSING_CHANNELS: u32 = 2;
+
+    /// Index of a channel of a material: 0 diffuse, 1 transparency, 2 specular, 3 diffuse transparency, 4 emissive,
+    /// 5 shininess, 6 transparency shininess.
+    pub fn material_channel(material: MaterialRecord, number: u32) -> u32 {
+        if number == 0u32 {
+            return material.diffuse;
+        }
+        if number == 1u32 {
+            return material.transparency;
+        }
+        if number == 2u32 {
+            return material.specular;
+        }
+        if number == 3u32 {
+            return material.diffuse_transparency;
+        }
+        if number == 4u32 {
+            return material.emissive;
+        }
+        if number == 5u32 {
+            return material.shininess;
+        }
+        material.transparency_shininess
+    }
+
+    /// What a channel that is not there counts as: black, the diffuse one grey.
+    pub fn missing_channel(number: u32) -> Vec4f {
+        if number == 0u32 {
+            return vec4f(0.5, 0.5, 0.5, 1.0);
+        }
+        vec4f(0.0, 0.0, 0.0, 1.0)
     }
 
     /// The part of the transparency `tau` that is undisturbed passage. A sharp transmission lobe without refraction
@@ -102,23 +136,33 @@ pub mod kernel {
     pub fn surface_transmittance<S: SceneAccess + Copy>(
         scene: S,
         material: MaterialRecord,
-        uv: Vec2f,
+        at: TexturePoint,
     ) -> Vec3f {
         if material.refractive_index > 0.0 {
             return vec3f(0.0, 0.0, 0.0);
         }
-        let grey = vec4f(0.5, 0.5, 0.5, 1.0);
-        let diffuse = channel_value::<S>(scene, material.diffuse, uv, grey);
-        let tau = clear_transmission::<S>(scene, material, uv, diffuse.w);
-        undisturbed_part(material, tau, diffuse.w)
+        // A loop, so that graphics cards hold the interpreter of channels once.
+        let zero = vec4f(0.0, 0.0, 0.0, 0.0);
+        let mut values: [Vec4f; 2] = [zero, zero];
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for i in 0..PASSING_CHANNELS {
+            let channel = material_channel(material, i);
+            values[i as usize] = channel_value::<S>(scene, channel, at, missing_channel(i));
+        }
+        let alpha = values[0].w;
+        undisturbed_part(material, clear_transmission(material, values[1], alpha), alpha)
     }
 
     /// Probability that a ray meets the surface at all; the rest passes undisturbed.
     ///
     /// This is the colourless part of the transparency, resolved during traversal, so that cut-out leaves cost
     /// no path segments.
-    pub fn surface_opacity<S: SceneAccess + Copy>(scene: S, material: MaterialRecord, uv: Vec2f) -> f32 {
-        1.0 - smallest(surface_transmittance::<S>(scene, material, uv))
+    pub fn surface_opacity<S: SceneAccess + Copy>(
+        scene: S,
+        material: MaterialRecord,
+        at: TexturePoint,
+    ) -> f32 {
+        1.0 - smallest(surface_transmittance::<S>(scene, material, at))
     }
 
     /// The material of one side of a surface.
@@ -135,26 +179,30 @@ pub mod kernel {
     pub fn material_bsdf<S: SceneAccess + Copy>(
         scene: S,
         material: MaterialRecord,
-        uv: Vec2f,
+        at: TexturePoint,
         eta: f32,
         cosine: f32,
     ) -> Bsdf {
-        let black = vec4f(0.0, 0.0, 0.0, 1.0);
-        let c_d = channel_value::<S>(scene, material.diffuse, uv, vec4f(0.5, 0.5, 0.5, 1.0));
-        let c_s = channel_value::<S>(scene, material.specular, uv, black);
-        let c_dt = channel_value::<S>(scene, material.diffuse_transparency, uv, black);
-        let emissive = channel_value::<S>(scene, material.emissive, uv, black);
-        let tau = clear_transmission::<S>(scene, material, uv, c_d.w);
-        let shininess = channel_value::<S>(scene, material.shininess, uv, black);
-        let transmission_shininess = channel_value::<S>(scene, material.transparency_shininess, uv, black);
+        let none = vec4f(0.0, 0.0, 0.0, 0.0);
+        let mut values: [Vec4f; 7] = [none, none, none, none, none, none, none];
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for i in 0..MATERIAL_CHANNELS {
+            let channel = material_channel(material, i);
+            values[i as usize] = channel_value::<S>(scene, channel, at, missing_channel(i));
+        }
+        let c_d = values[0];
+        let tau = clear_transmission(material, values[1], c_d.w);
+        let c_s = values[2];
+        let c_dt = values[3];
+        let emissive = values[4];
 
         let one = vec3f(1.0, 1.0, 1.0);
         let zero = vec3f(0.0, 0.0, 0.0);
         let interpolated = (material.flags & MATERIAL_INTERPOLATED) != 0u32;
         let mut diffuse = max(vec3f(c_d.x, c_d.y, c_d.z), zero);
         let mut glossy = max(vec3f(c_s.x, c_s.y, c_s.z), zero);
-        let mut exponent = select(shininess_exponent(shininess.x), 4.0, material.shininess == NONE);
-        let mut transmission_exponent = shininess_exponent(transmission_shininess.x);
+        let mut exponent = select(shininess_exponent(values[5].x), 4.0, material.shininess == NONE);
+        let mut transmission_exponent = shininess_exponent(values[6].x);
         // A surface cut out by the alpha of its picture transmits diffusely only where it is.
         let diffuse_transmission = max(vec3f(c_dt.x, c_dt.y, c_dt.z), zero);
         if interpolated {
@@ -210,7 +258,7 @@ pub mod kernel {
             glossy_transmission: blurred * scale,
             transmission_exponent,
             straight: straight * scale,
-            emissive: vec3f(emissive.x, emissive.y, emissive.z),
+            emissive: max(vec3f(emissive.x, emissive.y, emissive.z), zero),
             eta,
         }
     }

@@ -21,6 +21,15 @@ pub mod kernel {
         ROUNDING * dot(abs(point.normal), error_world + carried)
     }
 
+    /// The point of the unit shape that a world-space ray hit.
+    pub fn hit_unit_point<S: SceneAccess + Copy>(scene: S, ray: Ray, hit: Hit) -> Vec3f {
+        let mut local = ray;
+        if hit.instance != NONE {
+            local = transform_ray(S::shape(scene, hit.instance).object_from_world, ray);
+        }
+        hit_point(S::shape(scene, hit.object), local, hit.shape)
+    }
+
     /// Everything about the point where a world-space ray hit.
     pub fn hit_surface<S: SceneAccess + Copy>(scene: S, ray: Ray, hit: Hit) -> SurfacePoint {
         let mut shape = S::shape(scene, hit.object);

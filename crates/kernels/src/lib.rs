@@ -10,12 +10,16 @@
 #![allow(clippy::approx_constant, clippy::excessive_precision, clippy::manual_range_contains)]
 
 pub mod bsdf;
+pub mod bump;
 pub mod camera;
+pub mod channel;
+pub mod coordinates;
 pub mod hit;
 pub mod light;
 pub mod light_tree;
 pub mod medium;
 pub mod mesh;
+pub mod noise;
 pub mod path;
 pub mod random;
 pub mod records;
@@ -24,4 +28,5 @@ pub mod sky;
 pub mod texture;
 pub mod tone;
 pub mod traversal;
+pub mod volume;
 pub mod warp;

@@ -9,7 +9,9 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod kernel {
     use crate::bsdf::kernel::*;
+    use crate::bump::kernel::*;
     use crate::camera::kernel::*;
+    use crate::coordinates::kernel::*;
     use crate::hit::kernel::*;
     use crate::light::kernel::*;
     use crate::light_tree::kernel::*;
@@ -173,9 +175,17 @@ pub mod kernel {
             }
             let shape = S::shape(scene, hit.object);
             let surface = S::surface(scene, hit.object);
-            let point = hit_surface::<S>(scene, ray, hit);
+            let mut point = hit_surface::<S>(scene, ray, hit);
             let wo = -ray.direction;
             let cos_front = dot(point.normal, wo);
+            let front = cos_front >= 0.0;
+            let material = sided_material::<S>(scene, shape.material, front);
+            let mut at = uv_point(point.uv);
+            if (material.flags & MATERIAL_USES_POSITION) != 0u32 || material.normal_map != NONE {
+                let p = hit_unit_point::<S>(scene, ray, hit);
+                at = texture_point::<S>(scene, hit.instance, shape, surface, material, p, point.uv);
+                point = with_normal_maps::<S>(scene, hit, material, p, at, point);
+            }
             let normal = facing_normal(point, wo);
 
             // Light that the surface emits.
@@ -183,8 +193,6 @@ pub mod kernel {
                 result.radiance += throughput
                     * lamp_radiance::<S>(scene, surface.light, previous, point.position, cos_front);
             }
-            let front = cos_front >= 0.0;
-            let material = sided_material::<S>(scene, shape.material, front);
             // The medium is told apart by what it comes from and by its instance.
             let body = surface.source ^ ((hit.instance + 1u32) * 2654435769u32);
             let mut eta: f32 = 1.0;
@@ -193,7 +201,7 @@ pub mod kernel {
                 let inside = material.refractive_index;
                 eta = select(inside / outside, outside / inside, front);
             }
-            let bsdf = material_bsdf::<S>(scene, material, point.uv, eta, dot(normal, wo));
+            let bsdf = material_bsdf::<S>(scene, material, at, eta, dot(normal, wo));
             // Unverified for GroIMP's path tracer: emissive surfaces shine by themselves.
             result.radiance += throughput * bsdf.emissive;
             if touched >= depth {

@@ -113,6 +113,8 @@ pub mod kernel {
     pub const MATERIAL_INTERPOLATED: u32 = 1;
     /// What a refracting surface reflects of the light that it lets pass is reflected as by a mirror.
     pub const MATERIAL_MIRRORS: u32 = 2;
+    /// A channel looks at the position, see the module `coordinates`.
+    pub const MATERIAL_USES_POSITION: u32 = 4;
 
     /// Coefficients of a material as indices of channels, or `NONE`.
     #[repr(C)]
@@ -134,6 +136,11 @@ pub mod kernel {
         pub back: u32,
         /// Refractive index inside of the body, or 0 if the surface does not bound a medium.
         pub refractive_index: f32,
+        /// First of its normal maps among the channels, or `NONE`.
+        pub normal_map: u32,
+        pub reserved0: u32,
+        pub reserved1: u32,
+        pub reserved2: u32,
     }
 
     /// The value of `ChannelRecord` is the result.
@@ -147,19 +154,60 @@ pub mod kernel {
     pub const CHANNEL_MOVE_UV: u32 = 3;
     /// Multiplies u and v with the matrix whose rows are `value.xy` and `value.zw`; goes on at the next record.
     pub const CHANNEL_LINEAR_UV: u32 = 4;
+    /// As `CHANNEL_CHECKER`, by the parity of the cube of (x, y, z).
+    pub const CHANNEL_VOLUME_CHECKER: u32 = 5;
+    /// Carries (x, y, z), or the position in the world if `first` is 1, by the affine matrix whose rows are the
+    /// values of this and the next two records.
+    pub const CHANNEL_AFFINE_XYZ: u32 = 6;
+    /// Moves (x, y, z) or, if `bilinear` is 1, (u, v, w) by `value.xyz` times `size` octaves of noise with the
+    /// table at texel `first`. `value.xy` of the next record are the frequency and the noise ratio.
+    pub const CHANNEL_TURBULENCE: u32 = 7;
+    /// The number becomes noise of (x, y, z) times `value.x`; of the kind `bilinear`, else as above.
+    pub const CHANNEL_NOISE: u32 = 8;
+    /// The number becomes the product of (x, y, z) with `value.xyz`.
+    pub const CHANNEL_GRADIENT: u32 = 9;
+    /// The number becomes the distance from the z axis.
+    pub const CHANNEL_WOOD: u32 = 10;
+    /// The number becomes that of the function `leopard`.
+    pub const CHANNEL_LEOPARD: u32 = 11;
+    /// The number becomes that of the function `fractal` with `size` iterations; if `first` is 1 the constant is
+    /// `value.xy`.
+    pub const CHANNEL_FRACTAL: u32 = 12;
+    /// The number becomes the height of waves, `value.xy` per unit of u and v.
+    pub const CHANNEL_WAVES: u32 = 13;
+    /// The number is multiplied by `value.x`, then `value.y` is added.
+    pub const CHANNEL_LINEAR: u32 = 14;
+    /// The number becomes that of the wave form `first`.
+    pub const CHANNEL_WAVE_FORM: u32 = 15;
+    /// The number, as a grey with alpha 1, is the result.
+    pub const CHANNEL_GREY: u32 = 16;
+    /// The result of the program at `first` becomes (x, y, z) and (u, v, w); goes on at the next record.
+    pub const CHANNEL_CALL: u32 = 17;
+    /// Mixes, by x, two of the `size` items in the records that follow.
+    pub const CHANNEL_BLEND: u32 = 18;
+    /// At x = `value.x` the result of the program at `first` is seen.
+    pub const CHANNEL_ITEM: u32 = 19;
+    /// Sums up the program at `first` at `size` neighbours in distances `value.xyz`: 27 with the same weight, or 7.
+    pub const CHANNEL_FILTER: u32 = 20;
+    /// No instruction: belongs to the record before.
+    pub const CHANNEL_OPERAND: u32 = 21;
+    /// No instruction: a normal map of a material. `first` is the program of the height, of which one unit is
+    /// `value.x` metres and whose slope is measured over `value.yz` in u and v; only on the top of boxes if `size`
+    /// is 1; `bilinear` is the next normal map or `NONE`.
+    pub const CHANNEL_NORMAL_MAP: u32 = 22;
 
-    /// An instruction of a channel's program. A program ends where a value is found; until then every record says
-    /// which one is next, so that programs share their parts and need no stack, however deep they are nested.
+    /// An instruction of a channel's program; see the module `channel`.
     #[repr(C)]
     #[derive(Copy, Clone, Debug, Wgsl)]
     pub struct ChannelRecord {
         pub value: Vec4f,
         pub operation: u32,
-        /// Image: first texel in the texel table. Checker: record of the odd fields.
+        /// Image: first texel in the texel table. Checker: record of the odd fields. Else see the operation.
         pub first: u32,
-        /// Image: width in the lower, height in the upper 16 bits. Checker: record of the even fields.
+        /// Image: width in the lower, height in the upper 16 bits. Checker: record of the even fields. Else see
+        /// the operation.
         pub size: u32,
-        /// 1 to interpolate between texels.
+        /// Image: 1 to interpolate between texels. Else see the operation.
         pub bilinear: u32,
     }
 
@@ -368,7 +416,7 @@ plain_old_data! {
     ShapeRecord: 16,
     SurfaceRecord: 16,
     ObjectRecord: 32,
-    MaterialRecord: 12,
+    MaterialRecord: 16,
     ChannelRecord: 8,
     LightRecord: 24,
     SceneHeader: 20,

@@ -137,7 +137,8 @@ pub mod kernel {
         let half_b = p.x * d.x + p.y * d.y - radius * slope * d.z;
         let c = p.x * p.x + p.y * p.y - radius * radius;
         let discriminant = half_b * half_b - a * c;
-        if discriminant >= 0.0 {
+        // At 0 the ray touches the surface or is parallel to that of a cylinder: neither is a hit.
+        if discriminant > 0.0 {
             // The stable pair of roots: q / a and c / q.
             let root = sqrt(discriminant);
             let q = -(half_b + select(-root, root, half_b >= 0.0));

@@ -8,9 +8,10 @@ use wgsl_rs::wgsl;
 
 #[wgsl]
 pub mod kernel {
+    use crate::channel::kernel::*;
+    use crate::coordinates::kernel::*;
     use crate::records::kernel::*;
     use crate::shape::kernel::*;
-    use crate::texture::kernel::*;
     use crate::warp::kernel::*;
     use wgsl_rs::std::*;
 
@@ -96,7 +97,8 @@ pub mod kernel {
             }
             // The mapping of a sphere, scene-format.md chapter 4.1.
             let uv = vec2f(turn_fraction(local), acos(clamp(-local.z, -1.0, 1.0)) * INVERSE_PI);
-            let color = channel_value::<S>(scene, light.program, uv, vec4f(0.0, 0.0, 0.0, 1.0));
+            let at = TexturePoint { uv, local, world: direction };
+            let color = channel_value::<S>(scene, light.program, at, vec4f(0.0, 0.0, 0.0, 1.0));
             return light.emission * max(vec3f(color.x, color.y, color.z), vec3f(0.0, 0.0, 0.0));
         }
         vec3f(0.0, 0.0, 0.0)

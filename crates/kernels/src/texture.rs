@@ -1,4 +1,4 @@
-//! Evaluation of channel trees: colours and coefficients that vary over a surface.
+//! Colours that vary with the texture coordinates: pictures and checkerboards.
 
 use wgsl_rs::wgsl;
 
@@ -40,33 +40,20 @@ pub mod kernel {
         let y = (uv.y - floor(uv.y)) * height;
         let column = u32(x);
         let row = u32(y);
-        let corner = fetch_texel::<S>(scene, channel, column, row);
-        if channel.bilinear == 0u32 {
-            return corner;
-        }
         let wx = x - floor(x);
         let wy = y - floor(y);
-        let right = fetch_texel::<S>(scene, channel, column + 1u32, row);
-        let above = fetch_texel::<S>(scene, channel, column, row + 1u32);
-        let above_right = fetch_texel::<S>(scene, channel, column + 1u32, row + 1u32);
-        let lower = corner * (1.0 - wx) + right * wx;
-        let upper = above * (1.0 - wx) + above_right * wx;
-        lower * (1.0 - wy) + upper * wy
-    }
-
-    /// Value of a channel at a surface point; `missing` if there is no such channel.
-    pub fn channel_value<S: SceneAccess + Copy>(scene: S, index: u32, uv: Vec2f, missing: Vec4f) -> Vec4f {
-        if index == NONE {
-            return missing;
+        // One place that fetches, which keeps the code for graphics cards small.
+        let corners = select(1u32, 4u32, channel.bilinear != 0u32);
+        let mut color = vec4f(0.0, 0.0, 0.0, 0.0);
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for corner in 0..corners {
+            let right = corner & 1u32;
+            let up = corner >> 1u32;
+            let texel = fetch_texel::<S>(scene, channel, column + right, row + up);
+            let weight = select(1.0 - wx, wx, right == 1u32) * select(1.0 - wy, wy, up == 1u32);
+            color += texel * select(1.0, weight, corners == 4u32);
         }
-        let channel = S::channel(scene, index);
-        if channel.operation == CHANNEL_IMAGE {
-            return image_color::<S>(scene, channel, uv);
-        }
-        if channel.operation == CHANNEL_CONSTANT {
-            return channel.value;
-        }
-        run_channel::<S>(scene, index, uv)
+        color
     }
 
     /// Whether a point lies in an odd field of the checkerboard with two by two fields per unit of u and v.
@@ -74,32 +61,5 @@ pub mod kernel {
     pub fn in_odd_field(uv: Vec2f) -> bool {
         let fields = floor(2.0 * uv.x) + floor(2.0 * uv.y);
         fields - 2.0 * floor(0.5 * fields) >= 0.5
-    }
-
-    /// Runs the program of a channel from record `start` on. It ends, because the compiler of scenes lets a
-    /// record refer only to the next one or to programs that are complete before its own.
-    pub fn run_channel<S: SceneAccess + Copy>(scene: S, start: u32, surface_uv: Vec2f) -> Vec4f {
-        let mut uv = surface_uv;
-        let mut index = start;
-        let mut channel = S::channel(scene, index);
-        while channel.operation > CHANNEL_IMAGE {
-            if channel.operation == CHANNEL_CHECKER {
-                index = select(channel.size, channel.first, in_odd_field(uv));
-                uv = surface_uv;
-            } else {
-                let v = channel.value;
-                if channel.operation == CHANNEL_MOVE_UV {
-                    uv = vec2f(uv.x + v.x, uv.y + v.y);
-                } else {
-                    uv = vec2f(v.x * uv.x + v.y * uv.y, v.z * uv.x + v.w * uv.y);
-                }
-                index += 1u32;
-            }
-            channel = S::channel(scene, index);
-        }
-        if channel.operation == CHANNEL_IMAGE {
-            return image_color::<S>(scene, channel, uv);
-        }
-        channel.value
     }
 }

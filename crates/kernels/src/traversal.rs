@@ -8,6 +8,7 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod kernel {
     use crate::bsdf::kernel::*;
+    use crate::coordinates::kernel::*;
     use crate::mesh::kernel::*;
     use crate::random::kernel::*;
     use crate::records::kernel::*;
@@ -46,18 +47,21 @@ pub mod kernel {
         select(NO_HIT, t_in, t_in <= t_out * 1.0000004)
     }
 
-    /// Texture coordinates of a hit that is not yet known to count.
-    pub fn hit_uv<S: SceneAccess + Copy>(
+    /// Where channels are evaluated for a hit that is not yet known to count.
+    pub fn hit_texture_point<S: SceneAccess + Copy>(
         scene: S,
+        instance: u32,
         index: u32,
         shape: ShapeRecord,
+        material: MaterialRecord,
         ray: Ray,
         hit: ShapeHit,
-    ) -> Vec2f {
+    ) -> TexturePoint {
         let p = hit_point(shape, ray, hit);
         let surface = S::surface(scene, index);
-        let uv = texture_coordinates(shape, surface.v_scale, hit.face, p);
-        attribute_uv::<S>(scene, shape, surface, uv)
+        let weights = texture_coordinates(shape, surface.v_scale, hit.face, p);
+        let uv = attribute_uv::<S>(scene, shape, surface, weights);
+        texture_point::<S>(scene, instance, shape, surface, material, p, uv)
     }
 
     /// Material of the side of an object that a ray has hit; the ray is in the same space as the record.
@@ -103,8 +107,9 @@ pub mod kernel {
             if (shape.kind & FLAG_NOT_OPAQUE) == 0u32 {
                 return Hit { shape: hit, object: index, instance };
             }
-            let uv = hit_uv::<S>(scene, index, shape, ray, hit);
-            let opacity = surface_opacity::<S>(scene, material_hit::<S>(scene, shape, ray, hit), uv);
+            let material = material_hit::<S>(scene, shape, ray, hit);
+            let at = hit_texture_point::<S>(scene, instance, index, shape, material, ray, hit);
+            let opacity = surface_opacity::<S>(scene, material, at);
             if opacity >= 1.0 {
                 return Hit { shape: hit, object: index, instance };
             }
@@ -129,18 +134,34 @@ pub mod kernel {
         best
     }
 
+    /// The children of a node: where their objects, or they themselves, start; how many objects there are to be
+    /// tested, 0 for inner nodes and for those that are not reached.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct LeafPair {
+        pub first0: u32,
+        pub count0: u32,
+        pub first1: u32,
+        pub count1: u32,
+    }
+
+    pub fn reached_leaves(node: BvhNode, reached0: bool, reached1: bool) -> LeafPair {
+        LeafPair {
+            first0: node.child0,
+            count0: select(0u32, node.count0, reached0),
+            first1: node.child1,
+            count1: select(0u32, node.count1, reached1),
+        }
+    }
+
+    /// The object number `i` of both leaves together.
+    pub fn leaf_object(leaves: LeafPair, i: u32) -> u32 {
+        select(leaves.first1 + (i - leaves.count0), leaves.first0 + i, i < leaves.count0)
+    }
+
     /// The first surface that a ray meets.
     pub fn closest_hit<S: SceneAccess + Copy>(scene: S, ray: Ray, key: SampleKey, segment: u32) -> Hit {
         let header = S::header(scene);
         let mut best = Hit { shape: no_hit(), object: NONE, instance: NONE };
-        #[wgsl_allow(non_literal_loop_bounds)]
-        for i in 0..header.unbounded_objects {
-            best = closer_hit::<S>(scene, NONE, i, ray, key, segment, best);
-        }
-        if header.nodes == 0u32 {
-            return best;
-        }
-
         // The ray in the space of the instance that is being searched, and how many nodes of the scene wait
         // below those of the instance.
         let mut instance = NONE;
@@ -148,49 +169,48 @@ pub mod kernel {
         let mut inverse = inverse_direction(ray.direction);
         let mut waiting: u32 = 0;
         let mut stack: [u32; 96] = [0u32; 96];
-        let mut stacked: u32 = 0;
-        let mut current: u32 = 0;
+        // Unbounded objects come first, then the root, which waits on the stack.
+        let mut stacked: u32 = select(0u32, 1u32, header.nodes > 0u32);
+        let mut current = NONE;
         let mut searching = true;
         while searching {
-            if (current & INSTANCE_BIT) != 0u32 {
-                instance = current ^ INSTANCE_BIT;
-                let placement = S::shape(scene, instance);
-                local = transform_ray(placement.object_from_world, ray);
-                inverse = inverse_direction(local.direction);
-                waiting = stacked;
-                current = placement.material;
-            }
-            let node = S::node(scene, current);
-            let t0 = box_entry(local.origin, inverse, node.min0, node.max0, best.shape.t);
-            let t1 = box_entry(local.origin, inverse, node.min1, node.max1, best.shape.t);
-            // Leaves are tested at once, inner nodes are descended into, the nearer one first.
-            let mut descend0 = t0 < NO_HIT;
-            let mut descend1 = t1 < NO_HIT;
-            if descend0 && node.count0 > 0u32 {
-                #[wgsl_allow(non_literal_loop_bounds)]
-                for i in 0..node.count0 {
-                    best = closer_hit::<S>(scene, instance, node.child0 + i, local, key, segment, best);
+            let mut children = LeafPair { first0: 0, count0: header.unbounded_objects, first1: 0, count1: 0 };
+            let mut t0 = NO_HIT;
+            let mut t1 = NO_HIT;
+            if current != NONE {
+                if (current & INSTANCE_BIT) != 0u32 {
+                    instance = current ^ INSTANCE_BIT;
+                    let placement = S::shape(scene, instance);
+                    local = transform_ray(placement.object_from_world, ray);
+                    inverse = inverse_direction(local.direction);
+                    waiting = stacked;
+                    current = placement.material;
                 }
-                descend0 = false;
+                let node = S::node(scene, current);
+                t0 = box_entry(local.origin, inverse, node.min0, node.max0, best.shape.t);
+                t1 = box_entry(local.origin, inverse, node.min1, node.max1, best.shape.t);
+                children = reached_leaves(node, t0 < NO_HIT, t1 < NO_HIT);
             }
-            if descend1 && node.count1 > 0u32 {
-                if t1 < best.shape.t {
-                    #[wgsl_allow(non_literal_loop_bounds)]
-                    for i in 0..node.count1 {
-                        best = closer_hit::<S>(scene, instance, node.child1 + i, local, key, segment, best);
-                    }
+            // Leaves are tested at once, inner nodes are descended into, the nearer one first. One loop over the
+            // objects of both, so that graphics cards hold their code once.
+            #[wgsl_allow(non_literal_loop_bounds)]
+            for i in 0..(children.count0 + children.count1) {
+                if i < children.count0 || t1 < best.shape.t {
+                    best =
+                        closer_hit::<S>(scene, instance, leaf_object(children, i), local, key, segment, best);
                 }
-                descend1 = false;
             }
+            let descend0 = t0 < NO_HIT && children.count0 == 0u32;
+            let descend1 = t1 < NO_HIT && children.count1 == 0u32;
             if descend0 && descend1 {
                 let first = t0 <= t1;
-                stack[stacked as usize] = select(node.child0, node.child1, first);
+                stack[stacked as usize] = select(children.first0, children.first1, first);
                 stacked += 1;
-                current = select(node.child1, node.child0, first);
+                current = select(children.first1, children.first0, first);
             } else if descend0 {
-                current = node.child0;
+                current = children.first0;
             } else if descend1 {
-                current = node.child1;
+                current = children.first1;
             } else {
                 if instance != NONE && stacked == waiting {
                     instance = NONE;
@@ -209,7 +229,13 @@ pub mod kernel {
     }
 
     /// Share of light per channel that passes one object between the ends of a shadow ray.
-    pub fn object_transmittance<S: SceneAccess + Copy>(scene: S, index: u32, ray: Ray, t_max: f32) -> Vec3f {
+    pub fn object_transmittance<S: SceneAccess + Copy>(
+        scene: S,
+        instance: u32,
+        index: u32,
+        ray: Ray,
+        t_max: f32,
+    ) -> Vec3f {
         let shape = S::shape(scene, index);
         let mut passed = vec3f(1.0, 1.0, 1.0);
         let mut t_min: f32 = 0.0;
@@ -222,8 +248,9 @@ pub mod kernel {
             if (shape.kind & FLAG_NOT_OPAQUE) == 0u32 {
                 return vec3f(0.0, 0.0, 0.0);
             }
-            let uv = hit_uv::<S>(scene, index, shape, ray, hit);
-            passed *= surface_transmittance::<S>(scene, material_hit::<S>(scene, shape, ray, hit), uv);
+            let material = material_hit::<S>(scene, shape, ray, hit);
+            let at = hit_texture_point::<S>(scene, instance, index, shape, material, ray, hit);
+            passed *= surface_transmittance::<S>(scene, material, at);
             t_min = hit.t;
         }
         passed
@@ -238,60 +265,50 @@ pub mod kernel {
     pub fn transmittance<S: SceneAccess + Copy>(scene: S, ray: Ray, t_max: f32) -> Vec3f {
         let header = S::header(scene);
         let mut passed = vec3f(1.0, 1.0, 1.0);
-        #[wgsl_allow(non_literal_loop_bounds)]
-        for i in 0..header.unbounded_objects {
-            passed *= object_transmittance::<S>(scene, i, ray, t_max);
-        }
-        if header.nodes == 0u32 || is_dark(passed) {
-            return passed;
-        }
-
         // As in `closest_hit`, but in any order.
         let mut instance = NONE;
         let mut local = ray;
         let mut inverse = inverse_direction(ray.direction);
         let mut waiting: u32 = 0;
         let mut stack: [u32; 96] = [0u32; 96];
-        let mut stacked: u32 = 0;
-        let mut current: u32 = 0;
+        let mut stacked: u32 = select(0u32, 1u32, header.nodes > 0u32);
+        let mut current = NONE;
         let mut searching = true;
         while searching {
-            if (current & INSTANCE_BIT) != 0u32 {
-                instance = current ^ INSTANCE_BIT;
-                let placement = S::shape(scene, instance);
-                local = transform_ray(placement.object_from_world, ray);
-                inverse = inverse_direction(local.direction);
-                waiting = stacked;
-                current = placement.material;
-            }
-            let node = S::node(scene, current);
-            let mut descend0 = box_entry(local.origin, inverse, node.min0, node.max0, t_max) < NO_HIT;
-            let mut descend1 = box_entry(local.origin, inverse, node.min1, node.max1, t_max) < NO_HIT;
-            if descend0 && node.count0 > 0u32 {
-                #[wgsl_allow(non_literal_loop_bounds)]
-                for i in 0..node.count0 {
-                    passed *= object_transmittance::<S>(scene, node.child0 + i, local, t_max);
+            let mut children = LeafPair { first0: 0, count0: header.unbounded_objects, first1: 0, count1: 0 };
+            let mut reached0 = false;
+            let mut reached1 = false;
+            if current != NONE {
+                if (current & INSTANCE_BIT) != 0u32 {
+                    instance = current ^ INSTANCE_BIT;
+                    let placement = S::shape(scene, instance);
+                    local = transform_ray(placement.object_from_world, ray);
+                    inverse = inverse_direction(local.direction);
+                    waiting = stacked;
+                    current = placement.material;
                 }
-                descend0 = false;
+                let node = S::node(scene, current);
+                reached0 = box_entry(local.origin, inverse, node.min0, node.max0, t_max) < NO_HIT;
+                reached1 = box_entry(local.origin, inverse, node.min1, node.max1, t_max) < NO_HIT;
+                children = reached_leaves(node, reached0, reached1);
             }
-            if descend1 && node.count1 > 0u32 {
-                #[wgsl_allow(non_literal_loop_bounds)]
-                for i in 0..node.count1 {
-                    passed *= object_transmittance::<S>(scene, node.child1 + i, local, t_max);
-                }
-                descend1 = false;
+            #[wgsl_allow(non_literal_loop_bounds)]
+            for i in 0..(children.count0 + children.count1) {
+                passed *= object_transmittance::<S>(scene, instance, leaf_object(children, i), local, t_max);
             }
+            let descend0 = reached0 && children.count0 == 0u32;
+            let descend1 = reached1 && children.count1 == 0u32;
             if is_dark(passed) {
                 return passed;
             }
             if descend0 && descend1 {
-                stack[stacked as usize] = node.child1;
+                stack[stacked as usize] = children.first1;
                 stacked += 1;
-                current = node.child0;
+                current = children.first0;
             } else if descend0 {
-                current = node.child0;
+                current = children.first0;
             } else if descend1 {
-                current = node.child1;
+                current = children.first1;
             } else {
                 if instance != NONE && stacked == waiting {
                     instance = NONE;

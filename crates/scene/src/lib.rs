@@ -7,25 +7,33 @@
 //! on column vectors and are named `to_from`: `world_from_object * point_object = point_world`.
 
 mod camera;
+mod channel;
 mod distribution;
+mod effort;
 mod image;
 mod instance;
+mod java_random;
 mod light;
 mod material;
 mod mesh;
 mod object;
 mod shape;
+mod volume;
 
 pub use camera::{Camera, Projection};
+pub use channel::{BlendItem, Channel, ChannelId, CoordinateMap, NeighbourFilter, NormalMap};
 pub use distribution::Distribution;
+pub use effort::Effort;
 pub use glam::{DAffine3, DMat2, DMat3, DVec2, DVec3};
 pub use image::Image;
 pub use instance::{Group, GroupId, Instance};
+pub use java_random::JavaRandom;
 pub use light::{Daylight, Light, LightKind, Sky, SkyRadiance};
-pub use material::{Channel, ChannelId, CoordinateMap, Material, Phong};
+pub use material::{Material, Phong};
 pub use mesh::{Mesh, VisibleSides};
 pub use object::{Emission, Interior, Object, Origin};
 pub use shape::Shape;
+pub use volume::{VolumeFunction, WaveForm, WaveStep};
 
 /// A linear Rec. 709 colour or a power, irradiance or radiance in three channels.
 pub type Rgb = [f64; 3];

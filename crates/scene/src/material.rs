@@ -1,10 +1,4 @@
-use crate::{ImageId, MaterialId, Rgb, index_type};
-use glam::{DMat2, DVec2};
-
-index_type!(
-    /// Position in [`Scene::channels`](crate::Scene::channels).
-    ChannelId
-);
+use crate::{ChannelId, MaterialId, NormalMap, Rgb};
 
 /// How a surface reflects and transmits light.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,43 +43,6 @@ pub struct Phong {
     pub emissive: Option<ChannelId>,
     /// Whether transparency takes away from diffuse and glossy reflection (GroIMP's default).
     pub interpolated_transparency: bool,
-}
-
-/// A node of a channel tree: a function from a surface point to a colour with alpha. It refers only to channels
-/// that come before it.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Channel {
-    /// The same colour everywhere, alpha 1.
-    Constant(Rgb),
-    /// A picture, repeated in u and v; v = 0 is its bottom row.
-    ImageMap {
-        /// The picture.
-        image: ImageId,
-        /// Interpolate between pixels; otherwise the nearest pixel.
-        bilinear: bool,
-        /// Applied one after the other to the coordinates of the surface.
-        coordinates: Vec<CoordinateMap>,
-    },
-    /// A checkerboard with two by two fields per unit of u and v. The channels in its fields see the coordinates
-    /// of the surface.
-    Checker {
-        /// In fields where floor(2u) + floor(2v) is odd.
-        odd: ChannelId,
-        /// In the other fields.
-        even: ChannelId,
-        /// Applied one after the other to the coordinates of the surface.
-        coordinates: Vec<CoordinateMap>,
-    },
-}
-
-/// A change of the coordinates at which a channel is evaluated.
-#[derive(Clone, Debug, PartialEq)]
-pub enum CoordinateMap {
-    /// `linear * ((u, v) - offset)`, GroIMP's `AffineUVTransformation`.
-    AffineUv {
-        /// Taken away first.
-        offset: DVec2,
-        /// Rotation, shear and scale.
-        linear: DMat2,
-    },
+    /// What bends the shading normal, applied one after the other.
+    pub normal_maps: Vec<NormalMap>,
 }

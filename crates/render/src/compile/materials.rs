@@ -1,11 +1,11 @@
 //! Materials as records: one for each material and each filling that a body of it has.
 
-use super::channels::{Channels, compile_channels, constant};
+use super::channels::{compile_channels, compile_normal_maps, constant};
 use super::{CompileError, count};
 use kernels::records::kernel::{
-    ChannelRecord, MATERIAL_INTERPOLATED, MATERIAL_MIRRORS, MaterialRecord, NONE,
+    ChannelRecord, MATERIAL_INTERPOLATED, MATERIAL_MIRRORS, MATERIAL_USES_POSITION, MaterialRecord, NONE,
 };
-use scene::{ChannelId, Interior, Material, MaterialId, Scene};
+use scene::{ChannelId, DVec3, Interior, Material, MaterialId, Phong, Scene};
 use std::collections::HashMap;
 
 /// The tables behind the surfaces.
@@ -28,6 +28,13 @@ impl Materials {
         filled.copied().unwrap_or(material.0)
     }
 
+    /// Whether a channel of the record, or of its back, looks at the position.
+    pub fn uses_position(&self, record: u32) -> bool {
+        let record = &self.records[record as usize];
+        let back = self.records.get(record.back as usize).map_or(0, |back| back.flags);
+        (record.flags | back) & MATERIAL_USES_POSITION != 0
+    }
+
     /// Whether rays pass some surface with this record somewhere.
     pub fn is_not_opaque(&self, record: u32) -> bool {
         self.not_opaque[record as usize]
@@ -38,17 +45,16 @@ fn index_bits(interior: Interior) -> u32 {
     (interior.refractive_index as f32).to_bits()
 }
 
-pub(super) fn compile_materials(scene: &Scene) -> Result<Materials, CompileError> {
-    let Channels { mut records, starts, has_holes, texels } = compile_channels(scene)?;
-    let index = |id: Option<ChannelId>| id.map_or(NONE, |id| starts[id.index()]);
+pub(super) fn compile_materials(scene: &Scene, origin: DVec3) -> Result<Materials, CompileError> {
+    let mut channels = compile_channels(scene, origin)?;
     let mut materials = Vec::with_capacity(scene.materials.len());
     let mut not_opaque = Vec::with_capacity(scene.materials.len());
     for material in &scene.materials {
         match material {
             Material::Rgba { color, opacity } => {
-                records.push(constant(*color));
+                channels.records.push(constant(*color));
                 materials.push(MaterialRecord {
-                    diffuse: count(records.len() - 1),
+                    diffuse: count(channels.records.len() - 1),
                     flags: MATERIAL_INTERPOLATED | MATERIAL_MIRRORS,
                     opacity: opacity.clamp(0.0, 1.0) as f32,
                     ..black()
@@ -56,6 +62,9 @@ pub(super) fn compile_materials(scene: &Scene) -> Result<Materials, CompileError
                 not_opaque.push(*opacity < 1.0);
             }
             Material::Phong(phong) => {
+                let normal_map = compile_normal_maps(&phong.normal_maps, &mut channels);
+                let uses_position = channels_of(phong).any(|id| channels.uses_position[id.index()]);
+                let index = |id: Option<ChannelId>| id.map_or(NONE, |id| channels.starts[id.index()]);
                 materials.push(MaterialRecord {
                     diffuse: index(phong.diffuse),
                     specular: index(phong.specular),
@@ -65,11 +74,14 @@ pub(super) fn compile_materials(scene: &Scene) -> Result<Materials, CompileError
                     diffuse_transparency: index(phong.diffuse_transparency),
                     ambient: index(phong.ambient),
                     emissive: index(phong.emissive),
-                    flags: if phong.interpolated_transparency { MATERIAL_INTERPOLATED } else { 0 },
+                    flags: if phong.interpolated_transparency { MATERIAL_INTERPOLATED } else { 0 }
+                        | if uses_position { MATERIAL_USES_POSITION } else { 0 },
+                    normal_map,
                     ..black()
                 });
                 not_opaque.push(
-                    phong.transparency.is_some() || phong.diffuse.is_some_and(|id| has_holes[id.index()]),
+                    phong.transparency.is_some()
+                        || phong.diffuse.is_some_and(|id| channels.has_holes[id.index()]),
                 );
             }
             // Filled in below, when all sides are known.
@@ -87,9 +99,9 @@ pub(super) fn compile_materials(scene: &Scene) -> Result<Materials, CompileError
     }
     let mut all = Materials {
         records: materials,
-        channels: records,
-        channel_starts: starts,
-        texels,
+        channels: channels.records,
+        channel_starts: channels.starts,
+        texels: channels.texels,
         not_opaque,
         filled: HashMap::new(),
     };
@@ -147,5 +159,24 @@ fn black() -> MaterialRecord {
         opacity: 1.0,
         back: NONE,
         refractive_index: 0.0,
+        normal_map: NONE,
+        reserved0: 0,
+        reserved1: 0,
+        reserved2: 0,
     }
+}
+
+/// All channels of a material.
+fn channels_of(phong: &Phong) -> impl Iterator<Item = ChannelId> + '_ {
+    let coefficients = [
+        phong.diffuse,
+        phong.specular,
+        phong.shininess,
+        phong.transparency,
+        phong.transparency_shininess,
+        phong.diffuse_transparency,
+        phong.ambient,
+        phong.emissive,
+    ];
+    coefficients.into_iter().flatten().chain(phong.normal_maps.iter().map(|map| map.displacement))
 }

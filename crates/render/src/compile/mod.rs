@@ -9,7 +9,9 @@ mod instances;
 mod light_tree;
 mod lights;
 mod materials;
+mod noise;
 mod objects;
+mod texels;
 mod triangles;
 mod unit_shapes;
 
@@ -39,8 +41,9 @@ pub struct CompiledScene {
     pub texels: Vec<u32>,
     /// All light sources, the sky and the groups of the light tree included.
     pub lights: Vec<LightRecord>,
-    /// Normals and texture coordinates of triangles, found through `SurfaceRecord::attributes`, and the tables of
-    /// lights, found through `LightRecord::first` and `LightRecord::program`.
+    /// Normals and texture coordinates of triangles and frames for channels that look at the position, found through
+    /// `SurfaceRecord::attributes`, and the tables of lights, found through `LightRecord::first` and
+    /// `LightRecord::program`.
     pub attributes: Vec<[f32; 4]>,
     /// What objects and instances come from, by `SurfaceRecord::source`.
     pub origins: Vec<Origin>,
@@ -101,6 +104,17 @@ pub enum CompileError {
         /// Its azimuths.
         rows: usize,
     },
+    /// A channel nests too many blends and filters.
+    #[error(
+        "channel {channel} of the scene combines so many blends and filters that a point would take more than \
+         {} steps or {} pending tasks",
+        scene::Effort::MAX_STEPS,
+        scene::Effort::MAX_PENDING
+    )]
+    ChannelTooComplex {
+        /// Position of the channel.
+        channel: usize,
+    },
     /// Instances within instances multiply to more than can be stored.
     #[error("the scene has more than {most} instances, counted through nested ones; use fewer of them")]
     TooManyInstances {
@@ -149,7 +163,7 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
     let local_from_world = DAffine3::from_translation(-origin);
 
     check_distributions(scene)?;
-    let materials = materials::compile_materials(scene)?;
+    let materials = materials::compile_materials(scene, origin)?;
     let mut lights = lights::compile_lights(scene, &local_from_world, &materials.channel_starts);
     let Objects { scene: primitives, groups, mut attributes, origins, triangles } = objects::compile_objects(
         scene,

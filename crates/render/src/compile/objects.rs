@@ -3,7 +3,7 @@
 use super::instances::{Placement, stays_in_group};
 use super::materials::Materials;
 use super::triangles::placed_triangles;
-use super::unit_shapes::{UnitShape, unit_bounds, unit_shape};
+use super::unit_shapes::{UnitShape, object_from_unit, unit_bounds, unit_shape};
 use super::{Acceleration, CompileError, affine, count};
 use kernels::records::kernel::{
     FLAG_NOT_OPAQUE, NONE, ObjectRecord, SHAPE_INSTANCE, ShapeRecord, SurfaceRecord,
@@ -27,7 +27,7 @@ pub(super) struct Objects {
     pub scene: Primitives,
     /// Members of the groups that instances refer to, at least two in each.
     pub groups: Vec<Primitives>,
-    /// Table of the attributes of triangles.
+    /// Table of the attributes of triangles, and of the frames of objects whose materials look at the position.
     pub attributes: Vec<[f32; 4]>,
     /// What objects and instances come from, by `SurfaceRecord::source`.
     pub origins: Vec<Origin>,
@@ -211,8 +211,13 @@ impl Compiler<'_> {
             }
             return self.add_triangles(level, key, local_from_object, source);
         }
-        let unit = unit_shape(object, local_from_object);
-        self.add_unit(level, &unit, self.materials.record(object.material, object.interior), source, light)
+        let mut unit = unit_shape(object, local_from_object);
+        let material = self.materials.record(object.material, object.interior);
+        if self.materials.uses_position(material) {
+            unit.attributes = count(self.objects.attributes.len());
+            self.objects.attributes.extend(object_from_unit(&unit, local_from_object));
+        }
+        self.add_unit(level, &unit, material, source, light)
     }
 
     fn add_triangles(
@@ -224,7 +229,8 @@ impl Compiler<'_> {
     ) -> Result<(), CompileError> {
         let mesh = &self.scene.meshes[id.index()];
         let mut attributes = std::mem::take(&mut self.objects.attributes);
-        for triangle in placed_triangles(mesh, visible_sides, local_from_object, &mut attributes) {
+        let position = self.materials.uses_position(material);
+        for triangle in placed_triangles(mesh, visible_sides, local_from_object, position, &mut attributes) {
             self.add_unit(level, &triangle, material, source, NONE)?;
         }
         self.objects.attributes = attributes;

@@ -1,7 +1,7 @@
 //! Triangles of a mesh as unit shapes, with their entries in the table of attributes.
 
 use super::count;
-use super::unit_shapes::{UnitShape, flat};
+use super::unit_shapes::{UnitShape, flat, object_from_unit};
 use kernels::records::kernel::{FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, SHAPE_TRIANGLE};
 use scene::{DAffine3, DVec3, Mesh, VisibleSides};
 
@@ -9,11 +9,13 @@ use scene::{DAffine3, DVec3, Mesh, VisibleSides};
 /// area; they are invisible. The bound keeps the inverse matrices of the others within the range of 32-bit floats.
 const NO_AREA: f64 = 1e-60;
 
-/// The triangles of a mesh that have an area, one by one; what they need of attributes is appended to the table.
+/// The triangles of a mesh that have an area, one by one; what they need of attributes is appended to the table,
+/// their frames included if the material looks at the position.
 pub(super) fn placed_triangles<'a>(
     mesh: &'a Mesh,
     visible_sides: VisibleSides,
     local_from_object: &'a DAffine3,
+    uses_position: bool,
     attributes: &'a mut Vec<[f32; 4]>,
 ) -> impl Iterator<Item = UnitShape> + 'a {
     let hidden = match visible_sides {
@@ -34,9 +36,12 @@ pub(super) fn placed_triangles<'a>(
         let mut unit = flat(SHAPE_TRIANGLE, a, b - a, c - a, side);
         unit.kind |= hidden;
         unit.top_radius = number as f64;
-        if !(mesh.normals.is_empty() && mesh.uvs.is_empty()) {
+        if uses_position || !(mesh.normals.is_empty() && mesh.uvs.is_empty()) {
             unit.attributes = count(attributes.len());
             attributes.extend(corner_attributes(mesh, *triangle, |normal| carry * normal));
+        }
+        if uses_position {
+            attributes.extend(object_from_unit(&unit, local_from_object));
         }
         Some(unit)
     })

@@ -1,5 +1,6 @@
 //! The unit shapes of the kernels that stand for the shapes of a scene, and their boxes.
 
+use super::affine;
 use kernels::records::kernel::{
     FLAG_BASE_OPEN, FLAG_TOP_OPEN, NONE, SHAPE_BOX, SHAPE_FRUSTUM, SHAPE_PARALLELOGRAM, SHAPE_PLANE,
     SHAPE_SPHERE, SHAPE_TRIANGLE,
@@ -13,7 +14,7 @@ pub(super) struct UnitShape {
     pub base_radius: f64,
     pub top_radius: f64,
     pub v_scale: f64,
-    /// First entry in the table of attributes, or `NONE`.
+    /// First entry in the table of attributes, or `NONE`; see the kernels' modules `mesh` and `coordinates`.
     pub attributes: u32,
 }
 
@@ -21,6 +22,12 @@ pub(super) struct UnitShape {
 const NEAR_CYLINDER: f64 = 1e-3;
 /// A frustum whose smaller radius is less than this fraction of the other is a cone.
 const NEAR_CONE: f64 = 1e-3;
+
+/// Rows of the matrix from a unit shape to the frame of its object, for channels that look at the position.
+pub(super) fn object_from_unit(unit: &UnitShape, local_from_object: &DAffine3) -> [[f32; 4]; 3] {
+    let rows = affine(&(local_from_object.inverse() * unit.local_from_unit));
+    [rows.row0, rows.row1, rows.row2].map(|row| [row.x, row.y, row.z, row.w])
+}
 
 /// The unit shape of an analytic object.
 ///
