@@ -52,6 +52,7 @@ struct ObjectRecord {
 const NONE: u32 = 4294967295u;
 const MATERIAL_INTERPOLATED: u32 = 1u;
 const MATERIAL_MIRRORS: u32 = 2u;
+const MATERIAL_USES_POSITION: u32 = 4u;
 
 struct MaterialRecord {
     diffuse: u32,
@@ -65,13 +66,35 @@ struct MaterialRecord {
     flags: u32,
     opacity: f32,
     back: u32,
-    refractive_index: f32
+    refractive_index: f32,
+    normal_map: u32,
+    reserved0: u32,
+    reserved1: u32,
+    reserved2: u32
 }
 const CHANNEL_CONSTANT: u32 = 0u;
 const CHANNEL_IMAGE: u32 = 1u;
 const CHANNEL_CHECKER: u32 = 2u;
 const CHANNEL_MOVE_UV: u32 = 3u;
 const CHANNEL_LINEAR_UV: u32 = 4u;
+const CHANNEL_VOLUME_CHECKER: u32 = 5u;
+const CHANNEL_AFFINE_XYZ: u32 = 6u;
+const CHANNEL_TURBULENCE: u32 = 7u;
+const CHANNEL_NOISE: u32 = 8u;
+const CHANNEL_GRADIENT: u32 = 9u;
+const CHANNEL_WOOD: u32 = 10u;
+const CHANNEL_LEOPARD: u32 = 11u;
+const CHANNEL_FRACTAL: u32 = 12u;
+const CHANNEL_WAVES: u32 = 13u;
+const CHANNEL_LINEAR: u32 = 14u;
+const CHANNEL_WAVE_FORM: u32 = 15u;
+const CHANNEL_GREY: u32 = 16u;
+const CHANNEL_CALL: u32 = 17u;
+const CHANNEL_BLEND: u32 = 18u;
+const CHANNEL_ITEM: u32 = 19u;
+const CHANNEL_FILTER: u32 = 20u;
+const CHANNEL_OPERAND: u32 = 21u;
+const CHANNEL_NORMAL_MAP: u32 = 22u;
 
 struct ChannelRecord {
     value: vec4f,
@@ -328,7 +351,7 @@ fn intersect_frustum(shape: ShapeRecord, ray: Ray, t_min: f32, t_max: f32) -> Sh
     let half_b = (((p.x * d.x) + (p.y * d.y)) - ((radius * slope) * d.z));
     let c = (((p.x * p.x) + (p.y * p.y)) - (radius * radius));
     let discriminant = ((half_b * half_b) - (a * c));
-    if (discriminant >= 0.0) {
+    if (discriminant > 0.0) {
         let root = sqrt(discriminant);
         let q = -(half_b + select(-root, root, (half_b >= 0.0)));
         let t0 = (t_mid + (c / away_from_zero(q)));
@@ -684,81 +707,138 @@ fn with_attributes_Buffers(
     return result;
 }
 
-fn unpack_texel(texel: u32) -> vec4f {
-    return (vec4f(f32((texel & 255u)), f32(((texel >> 8u) & 255u)), f32(((texel >> 16u) & 255u)), f32((texel >> 24u))) * (1.0 / 255.0));
+struct TexturePoint {
+    uv: vec2f,
+    local: vec3f,
+    world: vec3f
 }
 
-fn in_odd_field(uv: vec2f) -> bool {
-    let fields = (floor((2.0 * uv.x)) + floor((2.0 * uv.y)));
-    return ((fields - (2.0 * floor((0.5 * fields)))) >= 0.5);
+struct Tangents {
+    du: vec3f,
+    dv: vec3f
 }
 
-fn channel_value_Buffers(scene: Buffers, index: u32, uv: vec2f, missing: vec4f) -> vec4f {
-    if (index == NONE) {
-        return missing;
-    }
-    let channel = Buffers_channel(scene, index);
-    if (channel.operation == CHANNEL_IMAGE) {
-        return image_color_Buffers(scene, channel, uv);
-    }
-    if (channel.operation == CHANNEL_CONSTANT) {
-        return channel.value;
-    }
-    return run_channel_Buffers(scene, index, uv);
+fn uv_point(uv: vec2f) -> TexturePoint {
+    return TexturePoint(uv, vec3f(0.0, 0.0, 0.0), vec3f(0.0, 0.0, 0.0));
 }
 
-fn fetch_texel_Buffers(scene: Buffers, channel: ChannelRecord, column: u32, row: u32) -> vec4f {
-    let width = (channel.size & 65535u);
-    let height = (channel.size >> 16u);
-    let x = (column % width);
-    let y = ((height - 1u) - (row % height));
-    return unpack_texel(Buffers_texel(scene, ((channel.first + (y * width)) + x)));
+fn box_tangents(face: u32) -> Tangents {
+    var du = vec3f(8.0, 0.0, 0.0);
+    var dv = vec3f(0.0, 6.0, 0.0);
+    if (face == 0u) {
+        du = vec3f(0.0, 0.0, 8.0);
+    }
+    if (face == 1u) {
+        du = vec3f(0.0, 0.0, -8.0);
+    }
+    if (face == 2u) {
+        dv = vec3f(0.0, 0.0, 6.0);
+    }
+    if (face == 3u) {
+        dv = vec3f(0.0, 0.0, -6.0);
+    }
+    if (face == 4u) {
+        du = vec3f(-8.0, 0.0, 0.0);
+    }
+    return Tangents(du, dv);
 }
 
-fn image_color_Buffers(scene: Buffers, channel: ChannelRecord, uv: vec2f) -> vec4f {
-    let width = f32((channel.size & 65535u));
-    let height = f32((channel.size >> 16u));
-    let x = ((uv.x - floor(uv.x)) * width);
-    let y = ((uv.y - floor(uv.y)) * height);
-    let column = u32(x);
-    let row = u32(y);
-    let corner = fetch_texel_Buffers(scene, channel, column, row);
-    if (channel.bilinear == 0u) {
-        return corner;
+fn shape_tangents(shape: ShapeRecord, v_factor: f32, face: u32, p: vec3f) -> Tangents {
+    let kind = (shape.kind & SHAPE_MASK);
+    let v_scale = away_from_zero(v_factor);
+    if (kind == SHAPE_PARALLELOGRAM) {
+        return Tangents(vec3f(2.0, 0.0, 0.0), vec3f(0.0, 0.0, (1.0 / v_scale)));
     }
-    let wx = (x - floor(x));
-    let wy = (y - floor(y));
-    let right = fetch_texel_Buffers(scene, channel, (column + 1u), row);
-    let above = fetch_texel_Buffers(scene, channel, column, (row + 1u));
-    let above_right = fetch_texel_Buffers(scene, channel, (column + 1u), (row + 1u));
-    let lower = ((corner * (1.0 - wx)) + (right * wx));
-    let upper = ((above * (1.0 - wx)) + (above_right * wx));
-    return ((lower * (1.0 - wy)) + (upper * wy));
+    if (kind == SHAPE_PLANE) {
+        return Tangents(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0));
+    }
+    if (kind == SHAPE_BOX) {
+        return box_tangents(face);
+    }
+    let round = (vec3f(-p.y, p.x, 0.0) * TWO_PI);
+    let radial = max(sqrt(((p.x * p.x) + (p.y * p.y))), 1.0e-6);
+    if (kind == SHAPE_SPHERE) {
+        let up = vec3f(((-p.z * p.x) / radial), ((-p.z * p.y) / radial), radial);
+        return Tangents(round, (up * (0.5 * TWO_PI)));
+    }
+    if (face == 0u) {
+        let slope = (shape.top_radius - shape.base_radius);
+        let up = vec3f(((slope * p.x) / radial), ((slope * p.y) / radial), 1.0);
+        return Tangents(round, (up * (1.0 / v_scale)));
+    }
+    let diameter = (2.0 * select(shape.top_radius, shape.base_radius, (face == 1u)));
+    let dv = vec3f(0.0, select(diameter, -diameter, (face == 1u)), 0.0);
+    return Tangents(vec3f(diameter, 0.0, 0.0), dv);
 }
 
-fn run_channel_Buffers(scene: Buffers, start: u32, surface_uv: vec2f) -> vec4f {
-    var uv = surface_uv;
-    var index = start;
-    var channel = Buffers_channel(scene, index);
-    while (channel.operation > CHANNEL_IMAGE) {
-        if (channel.operation == CHANNEL_CHECKER) {
-            index = select(channel.size, channel.first, in_odd_field(uv));
-            uv = surface_uv;
-        } else {
-            let v = channel.value;
-            if (channel.operation == CHANNEL_MOVE_UV) {
-                uv = vec2f((uv.x + v.x), (uv.y + v.y));
-            } else {
-                uv = vec2f(((v.x * uv.x) + (v.y * uv.y)), ((v.z * uv.x) + (v.w * uv.y)));
-            }
-            index += 1u;
-        }
-        channel = Buffers_channel(scene, index);
+fn transform_tangents(matrix: Affine, tangents: Tangents) -> Tangents {
+    return Tangents(transform_vector(matrix, tangents.du), transform_vector(matrix, tangents.dv));
+}
+
+fn local_from_unit_Buffers(scene: Buffers, shape: ShapeRecord, surface: SurfaceRecord) -> Affine {
+    let corners = select(0u, 4u, ((shape.kind & SHAPE_MASK) == SHAPE_TRIANGLE));
+    let first = (surface.attributes + corners);
+    return Affine(Buffers_attribute(scene, first), Buffers_attribute(scene, (first + 1u)), Buffers_attribute(scene, (first + 2u)));
+}
+
+fn texture_point_Buffers(
+    scene: Buffers,
+    instance: u32,
+    shape: ShapeRecord,
+    surface: SurfaceRecord,
+    material: MaterialRecord,
+    p: vec3f,
+    uv: vec2f,
+) -> TexturePoint {
+    var at = uv_point(uv);
+    if ((material.flags & MATERIAL_USES_POSITION) != 0u) {
+        at.local = transform_point(local_from_unit_Buffers(scene, shape, surface), p);
+        at.world = transform_point(world_from_unit_Buffers(scene, instance, surface), p);
     }
-    if (channel.operation == CHANNEL_IMAGE) {
-        return image_color_Buffers(scene, channel, uv);
+    return at;
+}
+
+fn triangle_tangents_Buffers(scene: Buffers, surface: SurfaceRecord) -> Tangents {
+    let zero = vec3f(0.0, 0.0, 0.0);
+    var tangents = Tangents(zero, zero);
+    if (surface.attributes == NONE) {
+        return tangents;
     }
-    return channel.value;
+    let a = Buffers_attribute(scene, surface.attributes);
+    let b = Buffers_attribute(scene, (surface.attributes + 1u));
+    let c = Buffers_attribute(scene, (surface.attributes + 2u));
+    let v = Buffers_attribute(scene, (surface.attributes + 3u));
+    let u1 = (b.w - a.w);
+    let u2 = (c.w - a.w);
+    let v1 = (v.y - v.x);
+    let v2 = (v.z - v.x);
+    let determinant = ((u1 * v2) - (u2 * v1));
+    if (abs(determinant) < 1.0e-20) {
+        return tangents;
+    }
+    tangents.du = (vec3f(v2, 0.0, -v1) * (1.0 / determinant));
+    tangents.dv = (vec3f(-u2, 0.0, u1) * (1.0 / determinant));
+    return tangents;
+}
+
+fn unit_tangents_Buffers(
+    scene: Buffers,
+    shape: ShapeRecord,
+    surface: SurfaceRecord,
+    face: u32,
+    p: vec3f,
+) -> Tangents {
+    if ((shape.kind & SHAPE_MASK) == SHAPE_TRIANGLE) {
+        return triangle_tangents_Buffers(scene, surface);
+    }
+    return shape_tangents(shape, surface.v_scale, face, p);
+}
+
+fn world_from_unit_Buffers(scene: Buffers, instance: u32, surface: SurfaceRecord) -> Affine {
+    if (instance == NONE) {
+        return surface.world_from_object;
+    }
+    return compose(Buffers_surface(scene, instance).world_from_object, surface.world_from_object);
 }
 
 struct Media {
@@ -821,6 +901,518 @@ fn refracted_direction(eta: f32, normal: vec3f, wo: vec3f) -> vec3f {
     return normalize(((-wo * eta) + (normal * ((eta * cosine) - sqrt(squared)))));
 }
 
+const WAVE_ABS: u32 = 0u;
+const WAVE_ACOS: u32 = 1u;
+const WAVE_ASIN: u32 = 2u;
+const WAVE_ATAN: u32 = 3u;
+const WAVE_CEIL: u32 = 4u;
+const WAVE_FLOOR: u32 = 5u;
+const WAVE_COS: u32 = 6u;
+const WAVE_SIN: u32 = 7u;
+const WAVE_TAN: u32 = 8u;
+const WAVE_COSH: u32 = 9u;
+const WAVE_SINH: u32 = 10u;
+const WAVE_TANH: u32 = 11u;
+const WAVE_EXP: u32 = 12u;
+const WAVE_EXP2: u32 = 13u;
+const WAVE_EXPM1: u32 = 14u;
+const WAVE_LOG: u32 = 15u;
+const WAVE_LOG10: u32 = 16u;
+const WAVE_SQR: u32 = 17u;
+const WAVE_SQRT: u32 = 18u;
+const WAVE_RAMP: u32 = 19u;
+const WAVE_TRIANGLE: u32 = 20u;
+const WAVE_CUBIC: u32 = 21u;
+const WAVE_SCALLOP: u32 = 22u;
+const WAVE_SIN01: u32 = 23u;
+const WAVE_LARGEST_EXPONENT: f32 = 40.0;
+
+fn in_odd_cube(p: vec3f) -> bool {
+    let fields = ((floor(p.x) + floor(p.y)) + floor(p.z));
+    return ((fields - (2.0 * floor((0.5 * fields)))) >= 0.5);
+}
+
+fn leopard(p: vec3f) -> f32 {
+    let mean = (((sin(p.x) + sin(p.y)) + sin(p.z)) / 3.0);
+    return (mean * mean);
+}
+
+fn fractal_coordinate(x: f32) -> f32 {
+    if (x > 0.0) {
+        return ((4.0 * (x - trunc(x))) - 2.0);
+    }
+    return ((4.0 * ((x + 1.0) + trunc(-x))) - 2.0);
+}
+
+fn fractal(z: vec2f, c: vec2f, iterations: u32) -> f32 {
+    var a = z.x;
+    var b = z.y;
+    var steps: u32 = 0u;
+    var inside = true;
+    while (inside && (steps < iterations)) {
+        let squares = ((a * a) - (b * b));
+        b = (((2.0 * a) * b) + c.y);
+        a = (squares + c.x);
+        inside = (((a * a) + (b * b)) <= 4.0);
+        if inside {
+            steps += 1u;
+        }
+    }
+    return (((2.0 * f32(steps)) - f32(iterations)) / f32(iterations));
+}
+
+fn periodic_wave(form: u32, f: f32) -> f32 {
+    if (form == WAVE_RAMP) {
+        return ((2.0 * f) - 1.0);
+    }
+    if (form == WAVE_TRIANGLE) {
+        if (f < 0.25) {
+            return (4.0 * f);
+        }
+        if (f < 0.75) {
+            return (2.0 - (4.0 * f));
+        }
+        return ((4.0 * f) - 4.0);
+    }
+    if (form == WAVE_CUBIC) {
+        return (((f * f) * (6.0 - (4.0 * f))) - 1.0);
+    }
+    if (form == WAVE_SCALLOP) {
+        return ((2.0 * sin(((0.5 * TWO_PI) * f))) - 1.0);
+    }
+    return sin((TWO_PI * f));
+}
+
+fn wave_form(form: u32, v: f32) -> f32 {
+    if (form >= WAVE_RAMP) {
+        return periodic_wave(form, (v - floor(v)));
+    }
+    if ((form >= WAVE_COSH) && (form <= WAVE_EXPM1)) {
+        let e = clamp(v, -WAVE_LARGEST_EXPONENT, WAVE_LARGEST_EXPONENT);
+        if (form == WAVE_EXP2) {
+            return exp2(e);
+        }
+        if (form == WAVE_EXP) {
+            return exp(e);
+        }
+        if (form == WAVE_EXPM1) {
+            return (exp(e) - 1.0);
+        }
+        let up = exp(e);
+        let down = exp(-e);
+        if (form == WAVE_COSH) {
+            return (0.5 * (up + down));
+        }
+        if (form == WAVE_SINH) {
+            return (0.5 * (up - down));
+        }
+        return ((up - down) / (up + down));
+    }
+    if (form == WAVE_ABS) {
+        return abs(v);
+    }
+    if (form == WAVE_ACOS) {
+        return acos(clamp(v, -1.0, 1.0));
+    }
+    if (form == WAVE_ASIN) {
+        return asin(clamp(v, -1.0, 1.0));
+    }
+    if (form == WAVE_ATAN) {
+        return atan(v);
+    }
+    if (form == WAVE_CEIL) {
+        return ceil(v);
+    }
+    if (form == WAVE_FLOOR) {
+        return floor(v);
+    }
+    if (form == WAVE_COS) {
+        return cos(v);
+    }
+    if (form == WAVE_SIN) {
+        return sin(v);
+    }
+    if (form == WAVE_TAN) {
+        return tan(v);
+    }
+    if (form == WAVE_LOG) {
+        return log(max(v, 1.0e-30));
+    }
+    if (form == WAVE_LOG10) {
+        return (log(max(v, 1.0e-30)) * 0.4342944819);
+    }
+    if (form == WAVE_SQR) {
+        return (v * v);
+    }
+    return sqrt(max(v, 0.0));
+}
+
+fn unpack_texel(texel: u32) -> vec4f {
+    return (vec4f(f32((texel & 255u)), f32(((texel >> 8u) & 255u)), f32(((texel >> 16u) & 255u)), f32((texel >> 24u))) * (1.0 / 255.0));
+}
+
+fn in_odd_field(uv: vec2f) -> bool {
+    let fields = (floor((2.0 * uv.x)) + floor((2.0 * uv.y)));
+    return ((fields - (2.0 * floor((0.5 * fields)))) >= 0.5);
+}
+
+fn fetch_texel_Buffers(scene: Buffers, channel: ChannelRecord, column: u32, row: u32) -> vec4f {
+    let width = (channel.size & 65535u);
+    let height = (channel.size >> 16u);
+    let x = (column % width);
+    let y = ((height - 1u) - (row % height));
+    return unpack_texel(Buffers_texel(scene, ((channel.first + (y * width)) + x)));
+}
+
+fn image_color_Buffers(scene: Buffers, channel: ChannelRecord, uv: vec2f) -> vec4f {
+    let width = f32((channel.size & 65535u));
+    let height = f32((channel.size >> 16u));
+    let x = ((uv.x - floor(uv.x)) * width);
+    let y = ((uv.y - floor(uv.y)) * height);
+    let column = u32(x);
+    let row = u32(y);
+    let wx = (x - floor(x));
+    let wy = (y - floor(y));
+    let corners = select(1u, 4u, (channel.bilinear != 0u));
+    var color = vec4f(0.0, 0.0, 0.0, 0.0);
+    for (var corner = 0u; corner < corners; corner++) {
+        let right = (corner & 1u);
+        let up = (corner >> 1u);
+        let texel = fetch_texel_Buffers(scene, channel, (column + right), (row + up));
+        let weight = (select((1.0 - wx), wx, (right == 1u)) * select((1.0 - wy), wy, (up == 1u)));
+        color += (texel * select(1.0, weight, (corners == 4u)));
+    }
+    return color;
+}
+
+const NOISE_PERMUTATION: u32 = 65536u;
+const NOISE_VALUES: u32 = 512u;
+const NOISE_TABLE_SIZE: u32 = 66048u;
+const NOISE_SCALAR: u32 = 0u;
+const NOISE_VECTOR: u32 = 1u;
+const NOISE_GRANITE: u32 = 2u;
+
+fn corner_value_Buffers(scene: Buffers, table: u32, m: u32, offset: vec3f) -> f32 {
+    let factors = vec4f(0.5, offset.x, offset.y, offset.z);
+    var sum: f32 = 0.0;
+    for (var k = 0; k < 4; k++) {
+        let value = bitcast<f32>(Buffers_texel(scene, ((table + NOISE_PERMUTATION) + ((m + u32(k)) & 511u))));
+        var factor = factors.x;
+        if (k == 1) {
+            factor = factors.y;
+        }
+        if (k == 2) {
+            factor = factors.z;
+        }
+        if (k == 3) {
+            factor = factors.w;
+        }
+        sum += (value * factor);
+    }
+    return sum;
+}
+
+fn lattice_noise_Buffers(scene: Buffers, table: u32, point: vec3f, components: u32) -> vec3f {
+    let limit = vec3f(1.0e9, 1.0e9, 1.0e9);
+    let p = clamp(point, -limit, limit);
+    let cell = floor(p);
+    let d = (p - cell);
+    let s = ((d * d) * (vec3f(3.0, 3.0, 3.0) - (d * 2.0)));
+    let ix = bitcast<u32>(i32(cell.x));
+    let iy = bitcast<u32>(i32(cell.y));
+    let iz = bitcast<u32>(i32(cell.z));
+    var sum = vec3f(0.0, 0.0, 0.0);
+    for (var corner = 0; corner < 8; corner++) {
+        let cx = (u32(corner) & 1u);
+        let cy = ((u32(corner) >> 1u) & 1u);
+        let cz = (u32(corner) >> 2u);
+        let weight = ((select((1.0 - s.x), s.x, (cx == 1u)) * select((1.0 - s.y), s.y, (cy == 1u))) * select((1.0 - s.z), s.z, (cz == 1u)));
+        let a = Buffers_texel(scene, (table + ((ix + cx) & 65535u)));
+        let b = Buffers_texel(scene, (table + (a ^ ((iy + cy) & 65535u))));
+        let m = Buffers_texel(scene, (table + (b ^ ((iz + cz) & 65535u))));
+        let offset = (d - vec3f(f32(cx), f32(cy), f32(cz)));
+        for (var component = 0u; component < components; component++) {
+            let value = (weight * corner_value_Buffers(scene, table, (m + (8u * component)), offset));
+            let axis = vec3f(select(0.0, 1.0, (component == 0u)), select(0.0, 1.0, (component == 1u)), select(0.0, 1.0, (component == 2u)));
+            sum += (axis * value);
+        }
+    }
+    return sum;
+}
+
+fn octaves_of_noise_Buffers(
+    scene: Buffers,
+    table: u32,
+    point: vec3f,
+    octaves: u32,
+    frequency_ratio: f32,
+    noise_ratio: f32,
+    kind: u32,
+) -> vec3f {
+    var p = point;
+    var amplitude: f32 = 1.0;
+    var sum = vec3f(0.0, 0.0, 0.0);
+    for (var _octave = 0u; _octave < octaves; _octave++) {
+        let values = lattice_noise_Buffers(scene, table, p, select(1u, 3u, (kind == NOISE_VECTOR)));
+        if (kind == NOISE_VECTOR) {
+            sum += (values * amplitude);
+        } else {
+            let noise = clamp((2.0 * values.x), -1.0, 1.0);
+            let folded = select((-0.5 - noise), (noise - 0.5), (noise > 0.0));
+            sum.x += (amplitude * select(noise, folded, (kind == NOISE_GRANITE)));
+        }
+        p *= frequency_ratio;
+        amplitude *= noise_ratio;
+    }
+    return sum;
+}
+
+const MAX_PENDING: u32 = 8u;
+
+struct ChannelRegisters {
+    uvw: vec3f,
+    xyz: vec3f,
+    number: f32,
+    next: u32
+}
+
+fn start_registers(at: TexturePoint, shift: vec3f, start: u32) -> ChannelRegisters {
+    return ChannelRegisters((vec3f(at.uv.x, at.uv.y, 0.0) + shift), (at.local + shift), 0.0, start);
+}
+
+fn filter_neighbour(count: u32, number: u32) -> vec4f {
+    if (count == 27u) {
+        let x = (f32((number % 3u)) - 1.0);
+        let y = (f32(((number / 3u) % 3u)) - 1.0);
+        let z = (f32((number / 9u)) - 1.0);
+        return vec4f(x, y, z, (1.0 / 27.0));
+    }
+    if (number == 0u) {
+        return vec4f(0.0, 0.0, 0.0, 0.5);
+    }
+    let axis = ((number - 1u) / 2u);
+    let side = ((f32((number & 1u)) * 2.0) - 1.0);
+    return vec4f(select(0.0, side, (axis == 0u)), select(0.0, side, (axis == 1u)), select(0.0, side, (axis == 2u)), (-1.0 / 12.0));
+}
+
+fn change_coordinates_Buffers(scene: Buffers, record: ChannelRecord, world: vec3f, before: ChannelRegisters) -> ChannelRegisters {
+    var after = before;
+    let v = record.value;
+    let uvw = before.uvw;
+    if (record.operation == CHANNEL_MOVE_UV) {
+        after.uvw = vec3f((uvw.x + v.x), (uvw.y + v.y), uvw.z);
+    }
+    if (record.operation == CHANNEL_LINEAR_UV) {
+        after.uvw = vec3f(((v.x * uvw.x) + (v.y * uvw.y)), ((v.z * uvw.x) + (v.w * uvw.y)), uvw.z);
+    }
+    if (record.operation == CHANNEL_AFFINE_XYZ) {
+        let row1 = Buffers_channel(scene, before.next);
+        let row2 = Buffers_channel(scene, (before.next + 1u));
+        let rows = Affine(v, row1.value, row2.value);
+        var p = before.xyz;
+        if (record.first == 1u) {
+            p = world;
+        }
+        after.xyz = transform_point(rows, p);
+        after.next = (before.next + 2u);
+    }
+    return after;
+}
+
+fn channel_value_Buffers(scene: Buffers, index: u32, at: TexturePoint, missing: vec4f) -> vec4f {
+    if (index == NONE) {
+        return missing;
+    }
+    let channel = Buffers_channel(scene, index);
+    if (channel.operation == CHANNEL_IMAGE) {
+        return image_color_Buffers(scene, channel, at.uv);
+    }
+    if (channel.operation == CHANNEL_CONSTANT) {
+        return channel.value;
+    }
+    return run_channel_Buffers(scene, index, at);
+}
+
+fn compute_number_Buffers(scene: Buffers, record: ChannelRecord, before: ChannelRegisters) -> ChannelRegisters {
+    var after = before;
+    let op = record.operation;
+    let v = record.value;
+    let p = before.xyz;
+    if ((op == CHANNEL_TURBULENCE) || (op == CHANNEL_NOISE)) {
+        let ratios = Buffers_channel(scene, before.next);
+        after.next = (before.next + 1u);
+        var q = (p * v.x);
+        var kind = record.bilinear;
+        if (op == CHANNEL_TURBULENCE) {
+            kind = NOISE_VECTOR;
+            q = p;
+            if (record.bilinear == 1u) {
+                q = before.uvw;
+            }
+        }
+        let noise = octaves_of_noise_Buffers(scene, record.first, q, record.size, ratios.value.x, ratios.value.y, kind);
+        let moved = (q + (vec3f(v.x, v.y, v.z) * noise));
+        if (op == CHANNEL_NOISE) {
+            after.number = noise.x;
+        } else if (record.bilinear == 1u) {
+            after.uvw = moved;
+        } else {
+            after.xyz = moved;
+        }
+    }
+    if (op == CHANNEL_GRADIENT) {
+        after.number = dot(p, vec3f(v.x, v.y, v.z));
+    }
+    if (op == CHANNEL_WOOD) {
+        after.number = sqrt(((p.x * p.x) + (p.y * p.y)));
+    }
+    if (op == CHANNEL_LEOPARD) {
+        after.number = leopard(p);
+    }
+    if (op == CHANNEL_FRACTAL) {
+        let z = vec2f(fractal_coordinate(p.x), fractal_coordinate(p.y));
+        var c = z;
+        if (record.first == 1u) {
+            c = vec2f(v.x, v.y);
+        }
+        after.number = fractal(z, c, record.size);
+    }
+    if (op == CHANNEL_WAVES) {
+        after.number = (cos(((TWO_PI * v.x) * before.uvw.x)) * cos(((TWO_PI * v.y) * before.uvw.y)));
+    }
+    if (op == CHANNEL_LINEAR) {
+        after.number = ((before.number * v.x) + v.y);
+    }
+    if (op == CHANNEL_WAVE_FORM) {
+        after.number = wave_form(record.first, before.number);
+    }
+    return after;
+}
+
+fn first_item_behind_Buffers(scene: Buffers, first: u32, count: u32, t: f32) -> u32 {
+    var item: u32 = 0u;
+    var searching = true;
+    while (searching && (item < count)) {
+        let record = Buffers_channel(scene, (first + item));
+        searching = (record.value.x <= t);
+        if searching {
+            item += 1u;
+        }
+    }
+    return item;
+}
+
+fn run_channel_Buffers(scene: Buffers, start: u32, at: TexturePoint) -> vec4f {
+    let zero = vec4f(0.0, 0.0, 0.0, 0.0);
+    var shifts: array<vec4f, 8> = array(zero, zero, zero, zero, zero, zero, zero, zero);
+    var sums: array<vec4f, 8> = array(zero, zero, zero, zero, zero, zero, zero, zero);
+    var alphas: array<f32, 8> = array<f32, 8>();
+    var origins: array<u32, 8> = array<u32, 8>();
+    var counts: array<u32, 8> = array<u32, 8>();
+    var pending: u32 = 0u;
+    var sum = zero;
+    var shift = vec3f(0.0, 0.0, 0.0);
+    var weight: f32 = 1.0;
+    var alpha_weight: f32 = 1.0;
+    var registers = start_registers(at, shift, start);
+    var running = true;
+    while running {
+        let record_index = registers.next;
+        let record = Buffers_channel(scene, record_index);
+        let op = record.operation;
+        registers.next = (record_index + 1u);
+        var ended = ((op <= CHANNEL_IMAGE) || (op == CHANNEL_GREY));
+        if ended {
+            var color = record.value;
+            if (op == CHANNEL_IMAGE) {
+                color = image_color_Buffers(scene, record, vec2f(registers.uvw.x, registers.uvw.y));
+            }
+            if (op == CHANNEL_GREY) {
+                color = vec4f(registers.number, registers.number, registers.number, 1.0);
+            }
+            sum += (color * vec4f(weight, weight, weight, alpha_weight));
+        } else if ((op == CHANNEL_CHECKER) || (op == CHANNEL_VOLUME_CHECKER)) {
+            var odd = in_odd_field(vec2f(registers.uvw.x, registers.uvw.y));
+            if (op == CHANNEL_VOLUME_CHECKER) {
+                odd = in_odd_cube(registers.xyz);
+            }
+            registers = start_registers(at, shift, select(record.size, record.first, odd));
+        } else if (op == CHANNEL_CALL) {
+            shifts[u32(pending)] = vec4f(shift.x, shift.y, shift.z, weight);
+            sums[u32(pending)] = sum;
+            alphas[u32(pending)] = alpha_weight;
+            origins[u32(pending)] = record_index;
+            pending += 1u;
+            sum = zero;
+            weight = 1.0;
+            registers = start_registers(at, shift, record.first);
+        } else if (op == CHANNEL_BLEND) {
+            let t = registers.xyz.x;
+            let items = (record_index + 1u);
+            let behind = first_item_behind_Buffers(scene, items, record.size, t);
+            let upper = Buffers_channel(scene, (items + min(behind, (record.size - 1u))));
+            var lower = upper;
+            if ((behind > 0u) && (behind < record.size)) {
+                lower = Buffers_channel(scene, ((items + behind) - 1u));
+                let share = ((t - lower.value.x) / (upper.value.x - lower.value.x));
+                shifts[u32(pending)] = vec4f(shift.x, shift.y, shift.z, (weight * share));
+                alphas[u32(pending)] = (alpha_weight * share);
+                origins[u32(pending)] = (items + behind);
+                pending += 1u;
+                weight *= (1.0 - share);
+                alpha_weight *= (1.0 - share);
+            }
+            registers = start_registers(at, shift, lower.first);
+        } else if (op == CHANNEL_FILTER) {
+            sum.w += alpha_weight;
+            shifts[u32(pending)] = vec4f(shift.x, shift.y, shift.z, weight);
+            alphas[u32(pending)] = 0.0;
+            origins[u32(pending)] = record_index;
+            counts[u32(pending)] = 0u;
+            pending += 1u;
+            ended = true;
+        } else if (op < CHANNEL_TURBULENCE) {
+            registers = change_coordinates_Buffers(scene, record, at.world, registers);
+        } else {
+            registers = compute_number_Buffers(scene, record, registers);
+        }
+        if (ended && (pending == 0u)) {
+            running = false;
+        } else if ended {
+            let top = (pending - 1u);
+            let origin_index = origins[u32(top)];
+            let origin = Buffers_channel(scene, origin_index);
+            let aside = shifts[u32(top)];
+            shift = vec3f(aside.x, aside.y, aside.z);
+            weight = aside.w;
+            alpha_weight = alphas[u32(top)];
+            if (origin.operation == CHANNEL_CALL) {
+                let found = vec3f(sum.x, sum.y, sum.z);
+                registers.uvw = found;
+                registers.xyz = found;
+                registers.next = (origin_index + 1u);
+                sum = sums[u32(top)];
+                pending = top;
+            } else {
+                let number = counts[u32(top)];
+                if ((origin.operation == CHANNEL_FILTER) && ((number + 1u) < origin.size)) {
+                    counts[u32(top)] = (number + 1u);
+                } else {
+                    pending = top;
+                }
+                if (origin.operation == CHANNEL_FILTER) {
+                    let neighbour = filter_neighbour(origin.size, number);
+                    let step = vec3f(origin.value.x, origin.value.y, origin.value.z);
+                    shift += (step * vec3f(neighbour.x, neighbour.y, neighbour.z));
+                    weight *= neighbour.w;
+                }
+                registers = start_registers(at, shift, origin.first);
+            }
+        }
+    }
+    return sum;
+}
+
 struct Bsdf {
     diffuse: vec3f,
     diffuse_transmission: vec3f,
@@ -854,6 +1446,43 @@ fn shininess_exponent(shininess: f32) -> f32 {
         return MIRROR_EXPONENT;
     }
     return min((-2.0 / log(y)), MIRROR_EXPONENT);
+}
+
+fn clear_transmission(material: MaterialRecord, transparency: vec4f, alpha: f32) -> vec3f {
+    let cover = (alpha * material.opacity);
+    let tau = clamp(vec3f(transparency.x, transparency.y, transparency.z), vec3f(0.0, 0.0, 0.0), vec3f(1.0, 1.0, 1.0));
+    return (vec3f((1.0 - cover), (1.0 - cover), (1.0 - cover)) + (tau * cover));
+}
+const MATERIAL_CHANNELS: u32 = 7u;
+const PASSING_CHANNELS: u32 = 2u;
+
+fn material_channel(material: MaterialRecord, number: u32) -> u32 {
+    if (number == 0u) {
+        return material.diffuse;
+    }
+    if (number == 1u) {
+        return material.transparency;
+    }
+    if (number == 2u) {
+        return material.specular;
+    }
+    if (number == 3u) {
+        return material.diffuse_transparency;
+    }
+    if (number == 4u) {
+        return material.emissive;
+    }
+    if (number == 5u) {
+        return material.shininess;
+    }
+    return material.transparency_shininess;
+}
+
+fn missing_channel(number: u32) -> vec4f {
+    if (number == 0u) {
+        return vec4f(0.5, 0.5, 0.5, 1.0);
+    }
+    return vec4f(0.0, 0.0, 0.0, 1.0);
 }
 
 fn undisturbed_part(material: MaterialRecord, tau: vec3f, alpha: f32) -> vec3f {
@@ -975,36 +1604,31 @@ fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
     return sample;
 }
 
-fn clear_transmission_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f, alpha: f32) -> vec3f {
-    let zero = vec4f(0.0, 0.0, 0.0, 1.0);
-    let channel = channel_value_Buffers(scene, material.transparency, uv, zero);
-    let cover = (alpha * material.opacity);
-    let tau = vec3f(channel.x, channel.y, channel.z);
-    return (vec3f((1.0 - cover), (1.0 - cover), (1.0 - cover)) + (tau * cover));
-}
-
 fn material_bsdf_Buffers(
     scene: Buffers,
     material: MaterialRecord,
-    uv: vec2f,
+    at: TexturePoint,
     eta: f32,
     cosine: f32,
 ) -> Bsdf {
-    let black = vec4f(0.0, 0.0, 0.0, 1.0);
-    let c_d = channel_value_Buffers(scene, material.diffuse, uv, vec4f(0.5, 0.5, 0.5, 1.0));
-    let c_s = channel_value_Buffers(scene, material.specular, uv, black);
-    let c_dt = channel_value_Buffers(scene, material.diffuse_transparency, uv, black);
-    let emissive = channel_value_Buffers(scene, material.emissive, uv, black);
-    let tau = clear_transmission_Buffers(scene, material, uv, c_d.w);
-    let shininess = channel_value_Buffers(scene, material.shininess, uv, black);
-    let transmission_shininess = channel_value_Buffers(scene, material.transparency_shininess, uv, black);
+    let none = vec4f(0.0, 0.0, 0.0, 0.0);
+    var values: array<vec4f, 7> = array(none, none, none, none, none, none, none);
+    for (var i = 0u; i < MATERIAL_CHANNELS; i++) {
+        let channel = material_channel(material, i);
+        values[u32(i)] = channel_value_Buffers(scene, channel, at, missing_channel(i));
+    }
+    let c_d = values[0];
+    let tau = clear_transmission(material, values[1], c_d.w);
+    let c_s = values[2];
+    let c_dt = values[3];
+    let emissive = values[4];
     let one = vec3f(1.0, 1.0, 1.0);
     let zero = vec3f(0.0, 0.0, 0.0);
     let interpolated = ((material.flags & MATERIAL_INTERPOLATED) != 0u);
     var diffuse = max(vec3f(c_d.x, c_d.y, c_d.z), zero);
     var glossy = max(vec3f(c_s.x, c_s.y, c_s.z), zero);
-    var exponent = select(shininess_exponent(shininess.x), 4.0, (material.shininess == NONE));
-    var transmission_exponent = shininess_exponent(transmission_shininess.x);
+    var exponent = select(shininess_exponent(values[5].x), 4.0, (material.shininess == NONE));
+    var transmission_exponent = shininess_exponent(values[6].x);
     let diffuse_transmission = max(vec3f(c_dt.x, c_dt.y, c_dt.z), zero);
     if interpolated {
         diffuse *= (one - tau);
@@ -1044,7 +1668,7 @@ fn material_bsdf_Buffers(
     }
     let total = largest(((((diffuse + glossy) + diffuse_transmission) + straight) + blurred));
     let scale = (1.0 / max(total, 1.0));
-    return Bsdf((diffuse * scale), (diffuse_transmission * scale), (glossy * scale), exponent, (blurred * scale), transmission_exponent, (straight * scale), vec3f(emissive.x, emissive.y, emissive.z), eta);
+    return Bsdf((diffuse * scale), (diffuse_transmission * scale), (glossy * scale), exponent, (blurred * scale), transmission_exponent, (straight * scale), max(vec3f(emissive.x, emissive.y, emissive.z), zero), eta);
 }
 
 fn sided_material_Buffers(scene: Buffers, index: u32, front: bool) -> MaterialRecord {
@@ -1055,18 +1679,22 @@ fn sided_material_Buffers(scene: Buffers, index: u32, front: bool) -> MaterialRe
     return Buffers_material(scene, material.back);
 }
 
-fn surface_opacity_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) -> f32 {
-    return (1.0 - smallest(surface_transmittance_Buffers(scene, material, uv)));
+fn surface_opacity_Buffers(scene: Buffers, material: MaterialRecord, at: TexturePoint) -> f32 {
+    return (1.0 - smallest(surface_transmittance_Buffers(scene, material, at)));
 }
 
-fn surface_transmittance_Buffers(scene: Buffers, material: MaterialRecord, uv: vec2f) -> vec3f {
+fn surface_transmittance_Buffers(scene: Buffers, material: MaterialRecord, at: TexturePoint) -> vec3f {
     if (material.refractive_index > 0.0) {
         return vec3f(0.0, 0.0, 0.0);
     }
-    let grey = vec4f(0.5, 0.5, 0.5, 1.0);
-    let diffuse = channel_value_Buffers(scene, material.diffuse, uv, grey);
-    let tau = clear_transmission_Buffers(scene, material, uv, diffuse.w);
-    return undisturbed_part(material, tau, diffuse.w);
+    let zero = vec4f(0.0, 0.0, 0.0, 0.0);
+    var values: array<vec4f, 2> = array(zero, zero);
+    for (var i = 0u; i < PASSING_CHANNELS; i++) {
+        let channel = material_channel(material, i);
+        values[u32(i)] = channel_value_Buffers(scene, channel, at, missing_channel(i));
+    }
+    let alpha = values[0].w;
+    return undisturbed_part(material, clear_transmission(material, values[1], alpha), alpha);
 }
 
 struct Hit {
@@ -1097,6 +1725,21 @@ fn box_entry(
     return select(NO_HIT, t_in, (t_in <= (t_out * 1.0000004)));
 }
 
+struct LeafPair {
+    first0: u32,
+    count0: u32,
+    first1: u32,
+    count1: u32
+}
+
+fn reached_leaves(node: BvhNode, reached0: bool, reached1: bool) -> LeafPair {
+    return LeafPair(node.child0, select(0u, node.count0, reached0), node.child1, select(0u, node.count1, reached1));
+}
+
+fn leaf_object(leaves: LeafPair, i: u32) -> u32 {
+    return select((leaves.first1 + (i - leaves.count0)), (leaves.first0 + i), (i < leaves.count0));
+}
+
 fn is_dark(color: vec3f) -> bool {
     return (((color.x <= 0.0) && (color.y <= 0.0)) && (color.z <= 0.0));
 }
@@ -1120,8 +1763,9 @@ fn closer_hit_Buffers(
         if ((shape.kind & FLAG_NOT_OPAQUE) == 0u) {
             return Hit(hit, index, instance);
         }
-        let uv = hit_uv_Buffers(scene, index, shape, ray, hit);
-        let opacity = surface_opacity_Buffers(scene, material_hit_Buffers(scene, shape, ray, hit), uv);
+        let material = material_hit_Buffers(scene, shape, ray, hit);
+        let at = hit_texture_point_Buffers(scene, instance, index, shape, material, ray, hit);
+        let opacity = surface_opacity_Buffers(scene, material, at);
         if (opacity >= 1.0) {
             return Hit(hit, index, instance);
         }
@@ -1140,57 +1784,48 @@ fn closer_hit_Buffers(
 fn closest_hit_Buffers(scene: Buffers, ray: Ray, key: SampleKey, segment: u32) -> Hit {
     let header = Buffers_header(scene);
     var best = Hit(no_hit(), NONE, NONE);
-    for (var i = 0u; i < header.unbounded_objects; i++) {
-        best = closer_hit_Buffers(scene, NONE, i, ray, key, segment, best);
-    }
-    if (header.nodes == 0u) {
-        return best;
-    }
     var instance = NONE;
     var local = ray;
     var inverse = inverse_direction(ray.direction);
     var waiting: u32 = 0u;
     var stack: array<u32, 96> = array<u32, 96>();
-    var stacked: u32 = 0u;
-    var current: u32 = 0u;
+    var stacked: u32 = select(0u, 1u, (header.nodes > 0u));
+    var current = NONE;
     var searching = true;
     while searching {
-        if ((current & INSTANCE_BIT) != 0u) {
-            instance = (current ^ INSTANCE_BIT);
-            let placement = Buffers_shape(scene, instance);
-            local = transform_ray(placement.object_from_world, ray);
-            inverse = inverse_direction(local.direction);
-            waiting = stacked;
-            current = placement.material;
-        }
-        let node = Buffers_node(scene, current);
-        let t0 = box_entry(local.origin, inverse, node.min0, node.max0, best.shape.t);
-        let t1 = box_entry(local.origin, inverse, node.min1, node.max1, best.shape.t);
-        var descend0 = (t0 < NO_HIT);
-        var descend1 = (t1 < NO_HIT);
-        if (descend0 && (node.count0 > 0u)) {
-            for (var i = 0u; i < node.count0; i++) {
-                best = closer_hit_Buffers(scene, instance, (node.child0 + i), local, key, segment, best);
+        var children = LeafPair(0u, header.unbounded_objects, 0u, 0u);
+        var t0 = NO_HIT;
+        var t1 = NO_HIT;
+        if (current != NONE) {
+            if ((current & INSTANCE_BIT) != 0u) {
+                instance = (current ^ INSTANCE_BIT);
+                let placement = Buffers_shape(scene, instance);
+                local = transform_ray(placement.object_from_world, ray);
+                inverse = inverse_direction(local.direction);
+                waiting = stacked;
+                current = placement.material;
             }
-            descend0 = false;
+            let node = Buffers_node(scene, current);
+            t0 = box_entry(local.origin, inverse, node.min0, node.max0, best.shape.t);
+            t1 = box_entry(local.origin, inverse, node.min1, node.max1, best.shape.t);
+            children = reached_leaves(node, (t0 < NO_HIT), (t1 < NO_HIT));
         }
-        if (descend1 && (node.count1 > 0u)) {
-            if (t1 < best.shape.t) {
-                for (var i = 0u; i < node.count1; i++) {
-                    best = closer_hit_Buffers(scene, instance, (node.child1 + i), local, key, segment, best);
-                }
+        for (var i = 0u; i < (children.count0 + children.count1); i++) {
+            if ((i < children.count0) || (t1 < best.shape.t)) {
+                best = closer_hit_Buffers(scene, instance, leaf_object(children, i), local, key, segment, best);
             }
-            descend1 = false;
         }
+        let descend0 = ((t0 < NO_HIT) && (children.count0 == 0u));
+        let descend1 = ((t1 < NO_HIT) && (children.count1 == 0u));
         if (descend0 && descend1) {
             let first = (t0 <= t1);
-            stack[u32(stacked)] = select(node.child0, node.child1, first);
+            stack[u32(stacked)] = select(children.first0, children.first1, first);
             stacked += 1u;
-            current = select(node.child1, node.child0, first);
+            current = select(children.first1, children.first0, first);
         } else if descend0 {
-            current = node.child0;
+            current = children.first0;
         } else if descend1 {
-            current = node.child1;
+            current = children.first1;
         } else {
             if ((instance != NONE) && (stacked == waiting)) {
                 instance = NONE;
@@ -1208,17 +1843,20 @@ fn closest_hit_Buffers(scene: Buffers, ray: Ray, key: SampleKey, segment: u32) -
     return best;
 }
 
-fn hit_uv_Buffers(
+fn hit_texture_point_Buffers(
     scene: Buffers,
+    instance: u32,
     index: u32,
     shape: ShapeRecord,
+    material: MaterialRecord,
     ray: Ray,
     hit: ShapeHit,
-) -> vec2f {
+) -> TexturePoint {
     let p = hit_point(shape, ray, hit);
     let surface = Buffers_surface(scene, index);
-    let uv = texture_coordinates(shape, surface.v_scale, hit.face, p);
-    return attribute_uv_Buffers(scene, shape, surface, uv);
+    let weights = texture_coordinates(shape, surface.v_scale, hit.face, p);
+    let uv = attribute_uv_Buffers(scene, shape, surface, weights);
+    return texture_point_Buffers(scene, instance, shape, surface, material, p, uv);
 }
 
 fn material_hit_Buffers(scene: Buffers, shape: ShapeRecord, ray: Ray, hit: ShapeHit) -> MaterialRecord {
@@ -1234,7 +1872,13 @@ fn material_hit_Buffers(scene: Buffers, shape: ShapeRecord, ray: Ray, hit: Shape
     return Buffers_material(scene, material.back);
 }
 
-fn object_transmittance_Buffers(scene: Buffers, index: u32, ray: Ray, t_max: f32) -> vec3f {
+fn object_transmittance_Buffers(
+    scene: Buffers,
+    instance: u32,
+    index: u32,
+    ray: Ray,
+    t_max: f32,
+) -> vec3f {
     let shape = Buffers_shape(scene, index);
     var passed = vec3f(1.0, 1.0, 1.0);
     var t_min: f32 = 0.0;
@@ -1246,8 +1890,9 @@ fn object_transmittance_Buffers(scene: Buffers, index: u32, ray: Ray, t_max: f32
         if ((shape.kind & FLAG_NOT_OPAQUE) == 0u) {
             return vec3f(0.0, 0.0, 0.0);
         }
-        let uv = hit_uv_Buffers(scene, index, shape, ray, hit);
-        passed *= surface_transmittance_Buffers(scene, material_hit_Buffers(scene, shape, ray, hit), uv);
+        let material = material_hit_Buffers(scene, shape, ray, hit);
+        let at = hit_texture_point_Buffers(scene, instance, index, shape, material, ray, hit);
+        passed *= surface_transmittance_Buffers(scene, material, at);
         t_min = hit.t;
     }
     return passed;
@@ -1256,55 +1901,48 @@ fn object_transmittance_Buffers(scene: Buffers, index: u32, ray: Ray, t_max: f32
 fn transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32) -> vec3f {
     let header = Buffers_header(scene);
     var passed = vec3f(1.0, 1.0, 1.0);
-    for (var i = 0u; i < header.unbounded_objects; i++) {
-        passed *= object_transmittance_Buffers(scene, i, ray, t_max);
-    }
-    if ((header.nodes == 0u) || is_dark(passed)) {
-        return passed;
-    }
     var instance = NONE;
     var local = ray;
     var inverse = inverse_direction(ray.direction);
     var waiting: u32 = 0u;
     var stack: array<u32, 96> = array<u32, 96>();
-    var stacked: u32 = 0u;
-    var current: u32 = 0u;
+    var stacked: u32 = select(0u, 1u, (header.nodes > 0u));
+    var current = NONE;
     var searching = true;
     while searching {
-        if ((current & INSTANCE_BIT) != 0u) {
-            instance = (current ^ INSTANCE_BIT);
-            let placement = Buffers_shape(scene, instance);
-            local = transform_ray(placement.object_from_world, ray);
-            inverse = inverse_direction(local.direction);
-            waiting = stacked;
-            current = placement.material;
-        }
-        let node = Buffers_node(scene, current);
-        var descend0 = (box_entry(local.origin, inverse, node.min0, node.max0, t_max) < NO_HIT);
-        var descend1 = (box_entry(local.origin, inverse, node.min1, node.max1, t_max) < NO_HIT);
-        if (descend0 && (node.count0 > 0u)) {
-            for (var i = 0u; i < node.count0; i++) {
-                passed *= object_transmittance_Buffers(scene, (node.child0 + i), local, t_max);
+        var children = LeafPair(0u, header.unbounded_objects, 0u, 0u);
+        var reached0 = false;
+        var reached1 = false;
+        if (current != NONE) {
+            if ((current & INSTANCE_BIT) != 0u) {
+                instance = (current ^ INSTANCE_BIT);
+                let placement = Buffers_shape(scene, instance);
+                local = transform_ray(placement.object_from_world, ray);
+                inverse = inverse_direction(local.direction);
+                waiting = stacked;
+                current = placement.material;
             }
-            descend0 = false;
+            let node = Buffers_node(scene, current);
+            reached0 = (box_entry(local.origin, inverse, node.min0, node.max0, t_max) < NO_HIT);
+            reached1 = (box_entry(local.origin, inverse, node.min1, node.max1, t_max) < NO_HIT);
+            children = reached_leaves(node, reached0, reached1);
         }
-        if (descend1 && (node.count1 > 0u)) {
-            for (var i = 0u; i < node.count1; i++) {
-                passed *= object_transmittance_Buffers(scene, (node.child1 + i), local, t_max);
-            }
-            descend1 = false;
+        for (var i = 0u; i < (children.count0 + children.count1); i++) {
+            passed *= object_transmittance_Buffers(scene, instance, leaf_object(children, i), local, t_max);
         }
+        let descend0 = (reached0 && (children.count0 == 0u));
+        let descend1 = (reached1 && (children.count1 == 0u));
         if is_dark(passed) {
             return passed;
         }
         if (descend0 && descend1) {
-            stack[u32(stacked)] = node.child1;
+            stack[u32(stacked)] = children.first1;
             stacked += 1u;
-            current = node.child0;
+            current = children.first0;
         } else if descend0 {
-            current = node.child0;
+            current = children.first0;
         } else if descend1 {
-            current = node.child1;
+            current = children.first1;
         } else {
             if ((instance != NONE) && (stacked == waiting)) {
                 instance = NONE;
@@ -1437,7 +2075,8 @@ fn distant_radiance_Buffers(scene: Buffers, light: LightRecord, direction: vec3f
             return daylight_radiance_Buffers(scene, light.program, local);
         }
         let uv = vec2f(turn_fraction(local), (acos(clamp(-local.z, -1.0, 1.0)) * INVERSE_PI));
-        let color = channel_value_Buffers(scene, light.program, uv, vec4f(0.0, 0.0, 0.0, 1.0));
+        let at = TexturePoint(uv, local, direction);
+        let color = channel_value_Buffers(scene, light.program, at, vec4f(0.0, 0.0, 0.0, 1.0));
         return (light.emission * max(vec3f(color.x, color.y, color.z), vec3f(0.0, 0.0, 0.0)));
     }
     return vec3f(0.0, 0.0, 0.0);
@@ -1736,6 +2375,14 @@ fn hit_surface_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> SurfacePoint {
     return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
 }
 
+fn hit_unit_point_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> vec3f {
+    var local = ray;
+    if (hit.instance != NONE) {
+        local = transform_ray(Buffers_shape(scene, hit.instance).object_from_world, ray);
+    }
+    return hit_point(Buffers_shape(scene, hit.object), local, hit.shape);
+}
+
 fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> Ray {
     let width = f32(settings.width);
     let image_x = ((((2.0 * x) - width) / width) * header.view_scale_x);
@@ -1746,6 +2393,86 @@ fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> 
     }
     let direction = vec3f(image_x, image_y, -1.0);
     return Ray(transform_point(header.world_from_view, vec3f(0.0, 0.0, 0.0)), normalize(transform_vector(header.world_from_view, direction)));
+}
+
+fn normal_map_covers(normal_map: ChannelRecord, uv: vec2f) -> bool {
+    let on_box_top = ((((uv.x >= 0.25) && (uv.x <= 0.5)) && (uv.y >= 0.33333333)) && (uv.y <= 0.66666667));
+    return ((normal_map.size == 0u) || on_box_top);
+}
+
+fn height_slopes_Buffers(
+    scene: Buffers,
+    normal_map: ChannelRecord,
+    at: TexturePoint,
+    local: Tangents,
+    world: Tangents,
+) -> vec2f {
+    var slopes = vec2f(0.0, 0.0);
+    for (var k = 0; k < 4; k++) {
+        let along_u = (k < 2);
+        let forward = select(-1.0, 1.0, ((k % 2) == 0));
+        var step = (forward * normal_map.value.z);
+        var shifted = at;
+        if along_u {
+            step = (forward * normal_map.value.y);
+            shifted.uv = vec2f((at.uv.x + step), at.uv.y);
+            shifted.local = (at.local + (local.du * step));
+            shifted.world = (at.world + (world.du * step));
+        } else {
+            shifted.uv = vec2f(at.uv.x, (at.uv.y + step));
+            shifted.local = (at.local + (local.dv * step));
+            shifted.world = (at.world + (world.dv * step));
+        }
+        let height = channel_value_Buffers(scene, normal_map.first, shifted, vec4f(0.0, 0.0, 0.0, 1.0));
+        let part = (height.x / (2.0 * step));
+        slopes += select(vec2f(0.0, part), vec2f(part, 0.0), vec2<bool>(along_u, along_u));
+    }
+    return slopes;
+}
+
+fn with_normal_maps_Buffers(
+    scene: Buffers,
+    hit: Hit,
+    material: MaterialRecord,
+    p: vec3f,
+    at: TexturePoint,
+    point: SurfacePoint,
+) -> SurfacePoint {
+    if (material.normal_map == NONE) {
+        return point;
+    }
+    let shape = Buffers_shape(scene, hit.object);
+    let surface = Buffers_surface(scene, hit.object);
+    let unit = unit_tangents_Buffers(scene, shape, surface, hit.shape.face, p);
+    let world = transform_tangents(world_from_unit_Buffers(scene, hit.instance, surface), unit);
+    var local = unit;
+    if ((material.flags & MATERIAL_USES_POSITION) != 0u) {
+        local = transform_tangents(local_from_unit_Buffers(scene, shape, surface), unit);
+    }
+    var normal = point.shading_normal;
+    var du = world.du;
+    var dv = world.dv;
+    var index = material.normal_map;
+    while (index != NONE) {
+        let normal_map = Buffers_channel(scene, index);
+        index = normal_map.bilinear;
+        if normal_map_covers(normal_map, at.uv) {
+            let slopes = (height_slopes_Buffers(scene, normal_map, at, local, world) * normal_map.value.x);
+            du += (normal * (slopes.x - dot(du, normal)));
+            dv += (normal * (slopes.y - dot(dv, normal)));
+            let bent = cross(du, dv);
+            let squared = dot(bent, bent);
+            if (squared > 0.0) {
+                let outward = select(-1.0, 1.0, (dot(bent, normal) >= 0.0));
+                normal = (bent * (outward / sqrt(squared)));
+            }
+        }
+    }
+    var result = point;
+    if (dot(normal, point.normal) > 0.0) {
+        result.shading_normal = normal;
+    }
+    return result;
 }
 
 struct PathSample {
@@ -1885,15 +2612,21 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
         }
         let shape = Buffers_shape(scene, hit.object);
         let surface = Buffers_surface(scene, hit.object);
-        let point = hit_surface_Buffers(scene, ray, hit);
+        var point = hit_surface_Buffers(scene, ray, hit);
         let wo = -ray.direction;
         let cos_front = dot(point.normal, wo);
+        let front = (cos_front >= 0.0);
+        let material = sided_material_Buffers(scene, shape.material, front);
+        var at = uv_point(point.uv);
+        if (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE)) {
+            let p = hit_unit_point_Buffers(scene, ray, hit);
+            at = texture_point_Buffers(scene, hit.instance, shape, surface, material, p, point.uv);
+            point = with_normal_maps_Buffers(scene, hit, material, p, at, point);
+        }
         let normal = facing_normal(point, wo);
         if (surface.light != NONE) {
             result.radiance += (throughput * lamp_radiance_Buffers(scene, surface.light, previous, point.position, cos_front));
         }
-        let front = (cos_front >= 0.0);
-        let material = sided_material_Buffers(scene, shape.material, front);
         let body = (surface.source ^ ((hit.instance + 1u) * 2654435769u));
         var eta: f32 = 1.0;
         if (material.refractive_index > 0.0) {
@@ -1901,7 +2634,7 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
             let inside = material.refractive_index;
             eta = select((inside / outside), (outside / inside), front);
         }
-        let bsdf = material_bsdf_Buffers(scene, material, point.uv, eta, dot(normal, wo));
+        let bsdf = material_bsdf_Buffers(scene, material, at, eta, dot(normal, wo));
         result.radiance += (throughput * bsdf.emissive);
         if (touched >= depth) {
             throughput *= bsdf.straight;
