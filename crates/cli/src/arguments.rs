@@ -78,6 +78,11 @@ pub struct RenderArguments {
     #[arg(long)]
     pub srgb_textures: bool,
 
+    /// Largest distance in metres between curved surfaces (splines, supershapes, height fields) and the triangles
+    /// that are drawn for them [default: 1/2000 of the surface's size]
+    #[arg(long, value_name = "METRES", value_parser = parse_flatness)]
+    pub flatness: Option<f64>,
+
     /// Processor threads to use [default: all]
     #[arg(long, value_name = "N", value_parser = whole_number(1..=4096))]
     pub threads: Option<u32>,
@@ -94,7 +99,11 @@ pub struct RenderArguments {
 impl RenderArguments {
     /// What the reader needs to know of them.
     pub fn read_options(&self) -> groimp::ReadOptions {
-        groimp::ReadOptions { srgb_textures: self.srgb_textures, ..groimp::ReadOptions::default() }
+        groimp::ReadOptions {
+            srgb_textures: self.srgb_textures,
+            flatness: self.flatness.map(groimp::Flatness::Metres).unwrap_or_default(),
+            ..groimp::ReadOptions::default()
+        }
     }
 
     /// What the renderer needs to know of them.
@@ -176,6 +185,12 @@ fn parse_exposure(text: &str) -> Result<f32, String> {
     const LIMIT: f32 = 100.0;
     let stops = text.trim().parse().ok().filter(|stops: &f32| stops.abs() <= LIMIT);
     stops.ok_or_else(|| format!("expected a number of stops from -{LIMIT} to {LIMIT}, for example -1.5"))
+}
+
+/// A distance in metres, from a micrometre up.
+fn parse_flatness(text: &str) -> Result<f64, String> {
+    let metres = text.trim().parse().ok().filter(|metres: &f64| metres.is_finite() && *metres >= 1e-6);
+    metres.ok_or_else(|| "expected a distance in metres, at least 0.000001, for example 0.001".to_owned())
 }
 
 /// A parser of file names that takes pictures alone.

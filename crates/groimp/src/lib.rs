@@ -16,6 +16,7 @@ mod classes;
 mod components;
 mod daylight;
 mod distributions;
+mod energy;
 mod error;
 mod fields;
 mod graph;
@@ -118,7 +119,8 @@ fn read_all(path: &Path, options: &ReadOptions) -> Result<(Project, Vec<DrawnFra
     let out = Output::with_report(report);
     let mut builder = Builder::new(&graph, &view, &types, &sources, shaders, surfaces, out);
     builder.build()?;
-    let Builder { out: Output { scene, report, .. }, frames, .. } = builder;
+    let Builder { out: Output { scene, mut report, .. }, frames, .. } = builder;
+    energy::warn_of_gains(&scene, &mut report);
     Ok((Project { scene, report }, frames))
 }
 

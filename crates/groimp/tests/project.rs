@@ -139,7 +139,6 @@ fn switches_choose_the_shader_of_pictures() {
     // No applicable shader means: inherit, here the grey of the root.
     assert_eq!(material(2), Material::Rgba { color: [128.0 / 255.0; 3], opacity: 1.0 });
     assert_eq!(material(3), material(1));
-    assert!(project.report.to_string().contains("SideSwitchShader"), "{}", project.report);
 }
 
 #[test]
@@ -159,4 +158,35 @@ fn hostile_lights_are_skipped() {
     let [spot] = &project.scene.lights[..] else { panic!("{:?}", project.scene.lights) };
     assert!(matches!(spot.kind, scene::LightKind::Spot { inner_angle: 2.0, outer_angle: 2.0, .. }));
     assert_eq!(project.report.skipped.len(), 3, "{}", project.report);
+}
+
+#[test]
+fn shaders_that_would_give_back_more_than_they_get_are_named_once() {
+    let phong = |diffuse: f64, transparency: f64| {
+        format!(
+            "<object gx:name=\"shader\" gx:type=\"de.grogra.imp3d.shading.Phong\">\
+             <object gx:name=\"diffuse\" gx:type=\"de.grogra.math.Graytone\" value=\"{diffuse}\"/>\
+             <object gx:name=\"specular\" gx:type=\"de.grogra.math.Graytone\" value=\"0.4\"/>\
+             <object gx:name=\"transparency\" gx:type=\"de.grogra.math.Graytone\" value=\"{transparency}\"/>\
+             </object>"
+        )
+    };
+    let sphere = |id, shader: &str| node(id, "de.grogra.imp3d.objects.Sphere", shader);
+    let bright = "<object gx:name=\"shader\" gx:type=\"de.grogra.imp3d.shading.RGBAShader\" gx:value=\"false 2 0 0 1\"/>";
+    let nodes = [
+        sphere(1, &phong(0.9, 0.0)),
+        sphere(2, &phong(0.9, 0.0)),
+        // Half of the light passes: (1 - 0.5) * 1.3 + 0.5 is still more than 1; of 0.6 + 0.4 it is 1.
+        sphere(3, &phong(0.9, 0.5)),
+        sphere(4, &phong(0.6, 0.5)),
+        sphere(5, bright),
+    ];
+    let project = read("gains", &nodes.concat());
+    let gains: Vec<_> = project.report.warnings.iter().filter(|w| w.message.contains("gives back")).collect();
+    assert_eq!(gains.len(), 3, "{gains:?}");
+    for (warning, part) in
+        gains.iter().zip(["(node 1) gives back up to 1.300", "(node 3) gives back up to 1.150", "2.000"])
+    {
+        assert!(warning.message.contains(part), "{warning}");
+    }
 }

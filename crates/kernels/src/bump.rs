@@ -79,7 +79,7 @@ pub mod kernel {
         let mut index = material.normal_map;
         while index != NONE {
             let normal_map = S::channel(scene, index);
-            index = normal_map.bilinear;
+            index = normal_map.mode;
             if normal_map_covers(normal_map, at.uv) {
                 let slopes = height_slopes::<S>(scene, normal_map, at, local, world) * normal_map.value.x;
                 // On smooth meshes the triangle is not quite at right angles to the normal.

@@ -115,11 +115,11 @@ pub mod kernel {
             let ratios = S::channel(scene, before.next);
             after.next = before.next + 1u32;
             let mut q = p * v.x;
-            let mut kind = record.bilinear;
+            let mut kind = record.mode;
             if op == CHANNEL_TURBULENCE {
                 kind = NOISE_VECTOR;
                 q = p;
-                if record.bilinear == 1u32 {
+                if record.mode == 1u32 {
                     q = before.uvw;
                 }
             }
@@ -135,7 +135,7 @@ pub mod kernel {
             let moved = q + vec3f(v.x, v.y, v.z) * noise;
             if op == CHANNEL_NOISE {
                 after.number = noise.x;
-            } else if record.bilinear == 1u32 {
+            } else if record.mode == 1u32 {
                 after.uvw = moved;
             } else {
                 after.xyz = moved;

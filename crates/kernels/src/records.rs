@@ -159,10 +159,10 @@ pub mod kernel {
     /// Carries (x, y, z), or the position in the world if `first` is 1, by the affine matrix whose rows are the
     /// values of this and the next two records.
     pub const CHANNEL_AFFINE_XYZ: u32 = 6;
-    /// Moves (x, y, z) or, if `bilinear` is 1, (u, v, w) by `value.xyz` times `size` octaves of noise with the
+    /// Moves (x, y, z) or, if `mode` is 1, (u, v, w) by `value.xyz` times `size` octaves of noise with the
     /// table at texel `first`. `value.xy` of the next record are the frequency and the noise ratio.
     pub const CHANNEL_TURBULENCE: u32 = 7;
-    /// The number becomes noise of (x, y, z) times `value.x`; of the kind `bilinear`, else as above.
+    /// The number becomes noise of (x, y, z) times `value.x`; of the kind `mode`, else as above.
     pub const CHANNEL_NOISE: u32 = 8;
     /// The number becomes the product of (x, y, z) with `value.xyz`.
     pub const CHANNEL_GRADIENT: u32 = 9;
@@ -193,7 +193,7 @@ pub mod kernel {
     pub const CHANNEL_OPERAND: u32 = 21;
     /// No instruction: a normal map of a material. `first` is the program of the height, of which one unit is
     /// `value.x` metres and whose slope is measured over `value.yz` in u and v; only on the top of boxes if `size`
-    /// is 1; `bilinear` is the next normal map or `NONE`.
+    /// is 1; `mode` is the next normal map or `NONE`.
     pub const CHANNEL_NORMAL_MAP: u32 = 22;
 
     /// An instruction of a channel's program; see the module `channel`.
@@ -207,8 +207,8 @@ pub mod kernel {
         /// Image: width in the lower, height in the upper 16 bits. Checker: record of the even fields. Else see
         /// the operation.
         pub size: u32,
-        /// Image: 1 to interpolate between texels. Else see the operation.
-        pub bilinear: u32,
+        /// Image: 1 to interpolate between texels, plus 2 for colours in sRGB. Else see the operation.
+        pub mode: u32,
     }
 
     pub const LIGHT_POINT: u32 = 0;

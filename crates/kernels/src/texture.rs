@@ -5,6 +5,7 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod kernel {
     use crate::records::kernel::*;
+    use crate::tone::kernel::*;
     use wgsl_rs::std::*;
 
     /// Red, green, blue, alpha of a packed texel, red in the lowest byte, each in [0, 1].
@@ -28,7 +29,11 @@ pub mod kernel {
         let height = channel.size >> 16u32;
         let x = column % width;
         let y = height - 1u32 - row % height;
-        unpack_texel(S::texel(scene, channel.first + y * width + x))
+        let color = unpack_texel(S::texel(scene, channel.first + y * width + x));
+        if (channel.mode & 2u32) == 0u32 {
+            return color;
+        }
+        vec4f(srgb_decode(color.x), srgb_decode(color.y), srgb_decode(color.z), color.w)
     }
 
     /// GroIMP's `ImageMap`: repeats in u and v, v = 0 is the bottom row, and the corner of a texel is its
@@ -43,7 +48,7 @@ pub mod kernel {
         let wx = x - floor(x);
         let wy = y - floor(y);
         // One place that fetches, which keeps the code for graphics cards small.
-        let corners = select(1u32, 4u32, channel.bilinear != 0u32);
+        let corners = select(1u32, 4u32, (channel.mode & 1u32) != 0u32);
         let mut color = vec4f(0.0, 0.0, 0.0, 0.0);
         #[wgsl_allow(non_literal_loop_bounds)]
         for corner in 0..corners {

@@ -18,6 +18,14 @@ pub mod kernel {
         1.055 * pow(x, 1.0 / 2.4) - 0.055
     }
 
+    /// The linear value of an sRGB component in [0, 1].
+    pub fn srgb_decode(encoded: f32) -> f32 {
+        if encoded <= 0.04045 {
+            return encoded / 12.92;
+        }
+        pow((encoded + 0.055) / 1.055, 2.4)
+    }
+
     /// Exposed and encoded colour, each channel in [0, 1]; `exposure` is in stops.
     pub fn tone_map(radiance: Vec3f, exposure: f32) -> Vec3f {
         let exposed = radiance * exp2(exposure);
@@ -27,7 +35,7 @@ pub mod kernel {
 
 #[cfg(test)]
 mod tests {
-    use super::kernel::srgb_encode;
+    use super::kernel::{srgb_decode, srgb_encode};
 
     #[test]
     fn srgb_end_points_and_middle_grey() {
@@ -35,6 +43,10 @@ mod tests {
         assert_eq!(srgb_encode(2.0), 1.0);
         // 18 % grey is 118/255 in sRGB.
         assert_eq!((srgb_encode(0.18) * 255.0).round(), 118.0);
+        for byte in 0..=255u8 {
+            let value = f32::from(byte) / 255.0;
+            assert!((srgb_encode(srgb_decode(value)) - value).abs() < 1e-5);
+        }
         // The two branches meet.
         assert!((srgb_encode(0.0031308) - srgb_encode(0.0031309)).abs() < 1e-5);
     }

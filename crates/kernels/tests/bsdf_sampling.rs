@@ -153,7 +153,11 @@ fn reflection_and_straight_transmission_are_reciprocal() {
             let u = random4(SampleKey { pixel: index, sample: 0, seed: 9 }, 3);
             let direction = |cosine: f32, turn: f32| {
                 let radius = (1.0 - cosine * cosine).sqrt();
-                vec3f(cosine, radius * (6.28 * turn).cos(), radius * (6.28 * turn).sin())
+                vec3f(
+                    cosine,
+                    radius * (std::f32::consts::TAU * turn).cos(),
+                    radius * (std::f32::consts::TAU * turn).sin(),
+                )
             };
             let a = direction(u.x.max(0.01), u.y);
             let b = direction(2.0 * u.z - 1.0, u.w);

@@ -239,8 +239,10 @@ fn odd_cube(p: DVec3) -> bool {
     (p.x.floor() + p.y.floor() + p.z.floor()).rem_euclid(2.0) == 1.0
 }
 
+type Definition = fn(f64) -> f64;
+
 /// The wave forms with their definitions.
-fn wave_forms() -> Vec<(WaveForm, fn(f64) -> f64)> {
+fn wave_forms() -> Vec<(WaveForm, Definition)> {
     fn part(v: f64) -> f64 {
         v - v.floor()
     }

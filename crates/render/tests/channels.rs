@@ -123,6 +123,24 @@ fn a_chain_of_transformations_moves_a_picture() {
 }
 
 #[test]
+fn pictures_in_srgb_become_linear_when_they_are_looked_up() {
+    let pixels = vec![[255u8, 188, 10, 255]; 4];
+    let linear = |byte: f64| match byte / 255.0 {
+        value if value <= 0.04045 => value / 12.92,
+        value => ((value + 0.055) / 1.055f64).powf(2.4),
+    };
+    assert_map(
+        |scene| {
+            let image =
+                Image { name: "photograph".into(), width: 2, height: 2, pixels: pixels.into(), srgb: true };
+            let image = scene.add_image(image);
+            scene.add_channel(Channel::ImageMap { image, bilinear: true, coordinates: vec![] })
+        },
+        |_| [255.0, 188.0, 10.0].map(linear),
+    );
+}
+
+#[test]
 fn fields_of_a_transformed_checkerboard_see_the_surface() {
     let build = |s: &mut Scene| {
         let image = picture(s);

@@ -80,7 +80,7 @@ pub(super) fn compile_normal_maps(maps: &[NormalMap], channels: &mut Channels) -
         channels.records.push(ChannelRecord {
             first: channels.starts[map.displacement.index()],
             size: u32::from(map.box_top),
-            bilinear: next,
+            mode: next,
             ..instruction(CHANNEL_NORMAL_MAP, value)
         });
         next = count(channels.records.len() - 1);
@@ -229,7 +229,7 @@ impl Programs<'_> {
                     self.noise(
                         ChannelRecord {
                             size: *octaves,
-                            bilinear: u32::from(reads == Reads::Uv),
+                            mode: u32::from(reads == Reads::Uv),
                             ..instruction(CHANNEL_TURBULENCE, value)
                         },
                         *frequency_ratio,
@@ -261,7 +261,7 @@ impl Programs<'_> {
         let nothing = vec4f(0.0, 0.0, 0.0, 0.0);
         let noise = |size: f64, octaves: u32, kind: u32| ChannelRecord {
             size: octaves,
-            bilinear: kind,
+            mode: kind,
             ..instruction(CHANNEL_NOISE, numbers([size, 0.0, 0.0, 0.0]))
         };
         match *function {
@@ -353,7 +353,7 @@ fn numbers(values: [f64; 4]) -> Vec4f {
 }
 
 fn instruction(operation: u32, value: Vec4f) -> ChannelRecord {
-    ChannelRecord { value, operation, first: 0, size: 0, bilinear: 0 }
+    ChannelRecord { value, operation, first: 0, size: 0, mode: 0 }
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ impl Texels {
             operation: CHANNEL_IMAGE,
             first: self.first_texel(id, image)?,
             size: u32::from(width) | u32::from(height) << 16,
-            bilinear: u32::from(bilinear),
+            mode: u32::from(bilinear) | u32::from(image.srgb) << 1,
         })
     }
 
