@@ -31,6 +31,12 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     let film = timed(&mut seconds.render, || loaded.render(&settings, &|done| progress.update(done)))?;
     progress.finish();
 
+    if film.is_black() {
+        messages.line(
+            "warning: the picture is black: nothing that the camera sees is lit. `sunshine info` shows where the camera and \
+             the objects are",
+        );
+    }
     let exposure = Exposure::choose(format, arguments.exposure, &film);
     timed(&mut seconds.write, || render::write_picture(&film, &output, exposure.stops()))?;
 

@@ -209,3 +209,20 @@ fn quiet_says_nothing_and_exr_does_not_depend_on_exposure() {
     assert!(bytes("a.exr").starts_with(&[0x76, 0x2f, 0x31, 0x01]));
     assert_eq!(bytes("a.exr"), bytes("b.EXR"));
 }
+
+#[test]
+fn a_black_picture_is_explained() {
+    let directory = empty_directory();
+    // A camera that looks away from a lit sphere.
+    std::fs::write(
+        directory.path().join("graph.xml"),
+        "<graph xmlns:gx=\"http://grogra.de/xmlpersistence\"><node root=\"MainGraph\" id=\"0\" type=\"N\">\
+         <node id=\"1\" type=\"de.grogra.turtle.M\" edges=\"+\"><data gx:name=\"length\" gx:value=\"100\"/>\
+         <node id=\"2\" type=\"de.grogra.imp3d.objects.Sphere\" edges=\"+\"/></node></node></graph>",
+    )
+    .unwrap();
+    let words = ["render", "graph.xml", "-o", "a.png", "--size", "8x8", "--samples", "1", "--device", "cpu"];
+    let output = sunshine(directory.path(), &words);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("the picture is black"), "{}", text(&output.stderr));
+}

@@ -1,42 +1,66 @@
 //! Materials that would give back more light than they get. The renderer scales them down; here they are named.
 
 use crate::report::Report;
-use scene::{Channel, ChannelId, Image, Material, MaterialId, Object, Phong, Rgb, Scene};
-use std::collections::HashMap;
+use scene::{Channel, ChannelId, Image, Material, MaterialId, Origin, Phong, Rgb, Scene, TypeNameId};
+use std::collections::{BTreeMap, HashMap};
 
 /// Sums up to this much above 1 are taken for rounding of what a user wrote.
 const TOLERANCE: f64 = 1e-3;
 
-/// Warns once for every material of an object whose coefficients add up to more than 1 somewhere.
+/// Shaders of one type of object that give back too much.
+struct Gains {
+    materials: usize,
+    /// An object that has the worst of them.
+    node: i64,
+    largest: f64,
+}
+
+/// Warns of the materials of objects whose coefficients add up to more than 1 somewhere, once for every type of
+/// object.
 pub(crate) fn warn_of_gains(scene: &Scene, report: &mut Report) {
     let maxima = channel_maxima(scene);
-    let mut first_users: HashMap<MaterialId, &Object> = HashMap::new();
+    let mut by_type: BTreeMap<TypeNameId, Gains> = BTreeMap::new();
+    let mut seen = vec![false; scene.materials.len()];
     for object in scene.objects.iter().chain(scene.groups.iter().flat_map(|group| &group.objects)) {
-        first_users.entry(object.material).or_insert(object);
-        if let Material::SideSwitch { front, back } = scene.materials[object.material.index()] {
-            first_users.entry(front).or_insert(object);
-            first_users.entry(back).or_insert(object);
+        for material in sides(scene, object.material) {
+            if std::mem::replace(&mut seen[material.index()], true) {
+                continue;
+            }
+            let largest = match &scene.materials[material.index()] {
+                Material::Rgba { color, opacity } => largest(color.map(|c| opacity * c + 1.0 - opacity)),
+                Material::Phong(phong) => phong_maximum(scene, phong, &maxima),
+                Material::SideSwitch { .. } => 0.0,
+            };
+            if largest <= 1.0 + TOLERANCE {
+                continue;
+            }
+            let Origin { node, type_name } = object.origin;
+            let gains = by_type.entry(type_name).or_insert(Gains { materials: 0, node, largest });
+            gains.materials += 1;
+            if largest > gains.largest {
+                (gains.node, gains.largest) = (node, largest);
+            }
         }
     }
-    let mut users: Vec<_> = first_users.into_iter().collect();
-    users.sort_unstable_by_key(|(material, _)| *material);
-    for (material, user) in users {
-        let largest = match &scene.materials[material.index()] {
-            Material::Rgba { color, opacity } => largest(color.map(|c| opacity * c + 1.0 - opacity)),
-            Material::Phong(phong) => phong_maximum(scene, phong, &maxima),
-            Material::SideSwitch { .. } => continue,
+    for (type_name, Gains { materials, node, largest }) in by_type {
+        let type_name = scene.type_names.get(type_name.index()).map_or("an object", String::as_str);
+        let more = match materials {
+            1 => String::new(),
+            n => format!(" and {} more of this type", n - 1),
         };
-        if largest > 1.0 + TOLERANCE {
-            let origin = user.origin;
-            let type_name =
-                scene.type_names.get(origin.type_name.index()).map_or("an object", String::as_str);
-            let message = format!(
-                "the shader of {type_name} (node {}) gives back up to {largest:.3} times the light that it gets; it is \
-                 scaled down to 1 wherever it would be more",
-                origin.node
-            );
-            report.warn(message, None);
-        }
+        let message = format!(
+            "the shader of {type_name} (node {node}{more}) gives back up to {largest:.3} times the light that it gets; \
+             it is scaled down to 1 wherever it would be more"
+        );
+        report.warn(message, None);
+    }
+}
+
+/// The material itself, or those of its sides.
+fn sides(scene: &Scene, material: MaterialId) -> Vec<MaterialId> {
+    match scene.materials[material.index()] {
+        Material::SideSwitch { front, back } => vec![front, back],
+        Material::Rgba { .. } | Material::Phong(_) => vec![material],
     }
 }
 
