@@ -8,6 +8,7 @@ use crate::distributions::Distributions;
 use crate::fields::{Field, Fields};
 use crate::graph::{Graph, Node, NodeIndex};
 use crate::groups::Groups;
+use crate::interiors;
 use crate::lights::{self, LightValue, Object as LightObject};
 use crate::meshes::Meshes;
 use crate::module_lights;
@@ -249,7 +250,8 @@ impl<'a> Builder<'a> {
         if class.has_shader() && sun_sky.is_none() {
             material = self.shader_field(fields)?.unwrap_or(material);
             if let Field::File(value) = fields.get("interior") {
-                interior = self.shaders.interior(value, &mut self.out)?.or(interior);
+                let filling = interiors::interior(value, self.graph, &self.shaders, &mut self.out.report)?;
+                interior = filling.or(interior);
             }
         }
         let site = Site { node, class, frames, interior };

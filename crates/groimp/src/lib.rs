@@ -24,6 +24,7 @@ mod groups;
 mod ies;
 mod images;
 mod inline;
+mod interiors;
 mod java_stream;
 mod lights;
 mod meshes;

@@ -2,14 +2,14 @@
 
 use crate::ReadError;
 use crate::channels::{Channels, Mean};
-use crate::fields::{number_of, wrong_value};
+use crate::fields::wrong_value;
 use crate::graph::{Graph, Node, NodeIndex};
 use crate::images::Images;
 use crate::modules::StaticShader;
 use crate::output::Output;
 use crate::registry::Registry;
 use crate::values::{Kind, Members, Value, parse_number, tokens};
-use scene::{ChannelId, Interior, Material, MaterialId, Phong, Rgb};
+use scene::{ChannelId, Material, MaterialId, Phong, Rgb};
 use std::collections::HashMap;
 
 /// Shaders lead to shaders; a longer chain is a cycle.
@@ -252,43 +252,6 @@ impl<'a> Shaders<'a> {
         let message = format!("the shader '{}' is not in the file; grey is used instead", value.text());
         out.report.warn(message, self.graph.location(value.line));
         Ok(Step::Done(Some(self.predefined(GRAY, out))))
-    }
-
-    /// What fills a body: an `IOR`, in place, as a node or as a shared object; `None` inherits.
-    pub fn interior(&self, value: &Value, out: &mut Output) -> Result<Option<Interior>, ReadError> {
-        let mut found = value;
-        let mut fields = value.members;
-        let mut class = self.graph.values.type_of(value).unwrap_or("");
-        for _ in 0..LONGEST_CHAIN {
-            let node = match found.kind {
-                Kind::Null => return Ok(None),
-                Kind::Ref => found.text().parse().ok().and_then(|id| self.graph.by_id(id)),
-                Kind::Shared => self.shared(found.text()),
-                Kind::Data | Kind::Object | Kind::Array | Kind::Serialized => None,
-            };
-            if let Some(node) = node {
-                (class, fields) = (self.graph.type_name(node), self.graph.node(node).fields);
-            }
-            match self.graph.values.find(fields, "object") {
-                Some(object) if class.ends_with(".SharedObjectNode") => found = object,
-                _ => break,
-            }
-        }
-        if !class.ends_with(".IOR") {
-            let message = format!("the interior of class '{class}' is not known and left out");
-            out.report.warn(message, self.graph.location(value.line));
-            return Ok(None);
-        }
-        let index = match self.graph.values.find(fields, "indexOfRefraction") {
-            Some(value) => number_of(self.graph, value, class, "indexOfRefraction")?,
-            None => 1.0,
-        };
-        if !(index.is_finite() && index > 0.0) {
-            let message = format!("the refractive index {index} is not possible; the interior is left out");
-            out.report.warn(message, self.graph.location(value.line));
-            return Ok(None);
-        }
-        Ok(Some(Interior { refractive_index: index }))
     }
 
     /// Node of a shared object: `MetaGraph:#94`, or a path in the registry.
