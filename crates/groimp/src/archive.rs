@@ -3,7 +3,7 @@
 use crate::ReadError;
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Cursor, Read, Seek};
 use std::path::{Component, Path, PathBuf};
 
 /// How much a project may unpack to, so that a few kilobytes of input cannot fill the memory.
@@ -15,18 +15,36 @@ pub struct Limits {
     pub total_bytes: u64,
     /// Pixels of one image; a larger one is replaced by grey, with a warning.
     pub image_pixels: u64,
+    /// Nodes that all bodies of modules together may make; further ones are left out, with a warning.
+    pub body_nodes: usize,
+    /// Steps of evaluation that all bodies of modules together may take. A step is about one operand or statement.
+    pub body_steps: usize,
 }
 
 impl Default for Limits {
-    /// 512 MiB per file, 2 GiB in total, 64 Mi pixels per image.
+    /// 512 MiB per file, 2 GiB in total, 64 Mi pixels per image, a million nodes and 50 million steps of bodies.
     fn default() -> Self {
-        Limits { entry_bytes: 512 << 20, total_bytes: 2 << 30, image_pixels: 64 << 20 }
+        Limits {
+            entry_bytes: 512 << 20,
+            total_bytes: 2 << 30,
+            image_pixels: 64 << 20,
+            body_nodes: 1_000_000,
+            body_steps: 50_000_000,
+        }
     }
 }
 
+/// What a zip archive can be read from.
+trait Seekable: Read + Seek {}
+
+impl<T: Read + Seek> Seekable for T {}
+
+type Zip = zip::ZipArchive<Box<dyn Seekable>>;
+
 enum Storage {
-    Zip(Box<zip::ZipArchive<File>>),
+    Zip(Box<Zip>),
     Directory(PathBuf),
+    Memory(HashMap<String, Vec<u8>>),
 }
 
 /// An opened project.
@@ -58,20 +76,48 @@ impl Archive {
         } else if extension == Some("xml") {
             (Storage::Directory(parent), None, Some(name))
         } else {
-            let archive = zip::ZipArchive::new(File::open(path).map_err(io_error)?).map_err(|error| {
-                ReadError::NotAnArchive { path: path.to_owned(), reason: error.to_string() }
-            })?;
-            (Storage::Zip(Box::new(archive)), Some("project.gs".to_owned()), None)
+            let file = Box::new(File::open(path).map_err(io_error)?);
+            (open_zip(path, file)?, Some("project.gs".to_owned()), None)
         };
-        let path = path.to_owned();
-        let mut archive =
-            Archive { path, storage, limits, read_bytes: 0, charsets: HashMap::new(), registry, graph };
+        Archive::new(path, storage, limits, registry, graph)
+    }
+
+    /// Opens the bytes of a `.gsz`.
+    pub fn from_zip(bytes: Vec<u8>, limits: Limits) -> Result<Self, ReadError> {
+        let path = Path::new("memory.gsz");
+        let storage = open_zip(path, Box::new(Cursor::new(bytes)))?;
+        Archive::new(path, storage, limits, Some("project.gs".to_owned()), None)
+    }
+
+    /// A project of the given files.
+    pub fn from_files(files: HashMap<String, Vec<u8>>, limits: Limits) -> Result<Self, ReadError> {
+        let registry = Some("project.gs".to_owned());
+        Archive::new(Path::new("memory"), Storage::Memory(files), limits, registry, None)
+    }
+
+    fn new(
+        path: &Path,
+        storage: Storage,
+        limits: Limits,
+        registry: Option<String>,
+        graph: Option<String>,
+    ) -> Result<Self, ReadError> {
+        let (path, charsets) = (path.to_owned(), HashMap::new());
+        let mut archive = Archive { path, storage, limits, read_bytes: 0, charsets, registry, graph };
         if archive.registry.is_some()
             && let Some(manifest) = archive.read("META-INF/MANIFEST.MF")?
         {
             archive.charsets = manifest_charsets(&String::from_utf8_lossy(&manifest));
         }
         Ok(archive)
+    }
+
+    /// Names of all entries of a zip archive.
+    pub fn entry_names(&self) -> Vec<String> {
+        match &self.storage {
+            Storage::Zip(archive) => archive.file_names().map(str::to_owned).collect(),
+            Storage::Directory(_) | Storage::Memory(_) => Vec::new(),
+        }
     }
 
     /// Limits given on opening.
@@ -92,6 +138,7 @@ impl Archive {
             })?,
             Storage::Directory(root) => read_below(root, entry, limit)
                 .map_err(|source| ReadError::Io { path: root.join(entry), source })?,
+            Storage::Memory(files) => files.get(entry).cloned(),
         };
         let Some(bytes) = unpacked else { return Ok(None) };
         if bytes.len() as u64 > limit {
@@ -126,7 +173,13 @@ impl Archive {
     }
 }
 
-fn read_zip(archive: &mut zip::ZipArchive<File>, entry: &str, limit: u64) -> Result<Option<Vec<u8>>, String> {
+fn open_zip(path: &Path, source: Box<dyn Seekable>) -> Result<Storage, ReadError> {
+    let archive = zip::ZipArchive::new(source)
+        .map_err(|error| ReadError::NotAnArchive { path: path.to_owned(), reason: error.to_string() })?;
+    Ok(Storage::Zip(Box::new(archive)))
+}
+
+fn read_zip(archive: &mut Zip, entry: &str, limit: u64) -> Result<Option<Vec<u8>>, String> {
     let file = match archive.by_name(entry) {
         Ok(file) => file,
         Err(zip::result::ZipError::FileNotFound) => return Ok(None),
@@ -168,7 +221,7 @@ fn read_below(root: &Path, entry: &str, limit: u64) -> io::Result<Option<Vec<u8>
 }
 
 /// Entry name to character set.
-fn manifest_charsets(manifest: &str) -> HashMap<String, String> {
+pub(crate) fn manifest_charsets(manifest: &str) -> HashMap<String, String> {
     // Long lines are folded: a line that starts with a space goes on where the last one ended.
     let unfolded = manifest.replace("\r\n", "\n").replace('\r', "\n").replace("\n ", "");
     let mut charsets = HashMap::new();

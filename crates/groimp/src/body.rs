@@ -3,25 +3,19 @@
 //! Bodies may make modules that have bodies. How deep that goes, how many nodes it makes and how much work
 //! it takes is limited; what is beyond the limits is left out and reported.
 
-use crate::ReadError;
 use crate::build::{Builder, Inherited};
 use crate::classes::Class;
 use crate::fields::{Defaults, Field, Fields};
 use crate::modules::{Instantiation, Place, StaticValue, Stored};
 use crate::report::Location;
 use crate::values::{Kind, parse_number};
+use crate::{Limits, ReadError};
 
 /// Bodies within bodies that are drawn.
 const DEEPEST: usize = 64;
 
-/// Nodes that all bodies of a project together may make.
-const MOST_NODES: usize = 1_000_000;
-
 /// Steps of evaluation that one body may take. A step is about one operand or statement.
 const MOST_STEPS: usize = 1_000_000;
-
-/// Steps that all bodies of a project together may take.
-const MOST_STEPS_OF_ALL: usize = 50_000_000;
 
 /// What the bodies of a project may still use.
 pub(crate) struct Bodies {
@@ -29,9 +23,9 @@ pub(crate) struct Bodies {
     steps_left: usize,
 }
 
-impl Default for Bodies {
-    fn default() -> Self {
-        Bodies { nodes_left: MOST_NODES, steps_left: MOST_STEPS_OF_ALL }
+impl Bodies {
+    pub fn within(limits: Limits) -> Self {
+        Bodies { nodes_left: limits.body_nodes, steps_left: limits.body_steps }
     }
 }
 

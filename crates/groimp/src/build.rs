@@ -1,6 +1,5 @@
 //! From the graph to the scene: depth-first along the tree edges, with an explicit stack.
 
-use crate::ReadError;
 use crate::body::Bodies;
 use crate::classes::{Amount, AxisShape, Class, Skip};
 use crate::fields::{Field, Fields};
@@ -16,6 +15,7 @@ use crate::turtle_state::{EGA_COLORS, StateCommand, TurtleState, initial_turtle_
 use crate::types::Types;
 use crate::values::Kind;
 use crate::view::View;
+use crate::{Limits, ReadError};
 use glam::{DAffine3, DVec3};
 use scene::{Light, MaterialId, Object, Origin, Sky};
 
@@ -82,6 +82,7 @@ impl<'a> Builder<'a> {
         sources: &'a Sources,
         shaders: Shaders<'a>,
         out: Output,
+        limits: Limits,
     ) -> Self {
         let initial = TurtleState::default();
         Builder {
@@ -89,7 +90,7 @@ impl<'a> Builder<'a> {
             view,
             types,
             sources,
-            bodies: Bodies::default(),
+            bodies: Bodies::within(limits),
             shaders,
             out,
             frames: Vec::new(),

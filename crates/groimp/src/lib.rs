@@ -13,6 +13,8 @@ mod channels;
 mod classes;
 mod error;
 mod fields;
+#[doc(hidden)]
+pub mod fuzzing;
 mod graph;
 mod images;
 mod inline;
@@ -82,7 +84,11 @@ pub fn drawn_frames(path: &Path) -> Result<Vec<DrawnFrames>, ReadError> {
 }
 
 fn read_all(path: &Path, limits: Limits) -> Result<(Project, Vec<DrawnFrames>), ReadError> {
-    let mut archive = Archive::open(path, limits)?;
+    read_archive(Archive::open(path, limits)?)
+}
+
+fn read_archive(mut archive: Archive) -> Result<(Project, Vec<DrawnFrames>), ReadError> {
+    let limits = archive.limits();
     let mut report = Report::default();
     let registry = match archive.registry.clone() {
         Some(file) => Registry::parse(&file, &archive.require(&file)?)?,
@@ -93,7 +99,8 @@ fn read_all(path: &Path, limits: Limits) -> Result<(Project, Vec<DrawnFrames>), 
     let view = read_view(&archive, &registry, &mut report);
     let types = Types::new(&graph, &sources);
     let shaders = Shaders::new(&graph, &registry, Images::new(archive));
-    let mut builder = Builder::new(&graph, &view, &types, &sources, shaders, Output::with_report(report));
+    let mut builder =
+        Builder::new(&graph, &view, &types, &sources, shaders, Output::with_report(report), limits);
     builder.build()?;
     let Builder { out: Output { scene, report, .. }, frames, .. } = builder;
     Ok((Project { scene, report }, frames))

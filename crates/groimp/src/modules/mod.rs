@@ -187,6 +187,13 @@ impl Sources {
         Some(ResolvedModule { base, defaults, has_body, declared_at, unresolved })
     }
 
+    /// All node types that are declared, in alphabetical order.
+    pub(crate) fn type_names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.by_type.keys().map(String::as_str).collect();
+        names.sort_unstable();
+        names
+    }
+
     /// The declaration of a node type.
     pub(crate) fn place(&self, type_name: &str) -> Option<Place> {
         self.by_type.get(type_name).copied()
