@@ -3,7 +3,7 @@
 use crate::ReadError;
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{self, Cursor, Read, Seek};
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::{Component, Path, PathBuf};
 
 /// How much a project may unpack to, so that a few kilobytes of input cannot fill the memory.
@@ -39,7 +39,42 @@ trait Seekable: Read + Seek {}
 
 impl<T: Read + Seek> Seekable for T {}
 
-type Zip = zip::ZipArchive<Box<dyn Seekable>>;
+type Zip = zip::ZipArchive<Metered>;
+
+/// A zip file of which no more is read than a sound archive needs.
+///
+/// The zip reader tries every place that looks like the end of a directory, and an entry can be listed under many
+/// names; both would read the same bytes again and again.
+struct Metered {
+    file: Box<dyn Seekable>,
+    left: u64,
+}
+
+impl Metered {
+    /// All bytes several times over: once for the directory and once for each file, with room to spare.
+    fn new(mut file: Box<dyn Seekable>) -> io::Result<Self> {
+        let length = file.seek(SeekFrom::End(0))?;
+        Ok(Metered { file, left: length.saturating_mul(8).saturating_add(1 << 20) })
+    }
+}
+
+impl Read for Metered {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        let too_much = || io::Error::other("the archive refers to the same bytes too often");
+        self.left = self.left.checked_sub(count as u64).ok_or_else(too_much)?;
+        Ok(count)
+    }
+}
+
+impl Seek for Metered {
+    fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+        self.file.seek(position)
+    }
+}
+
+/// Bytes of the name of a file in a project; messages about the file hold a copy.
+const LONGEST_NAME: usize = 1000;
 
 enum Storage {
     Zip(Box<Zip>),
@@ -127,6 +162,9 @@ impl Archive {
 
     /// Contents of an entry, `None` if there is no such entry (or it lies outside the project).
     pub fn read(&mut self, entry: &str) -> Result<Option<Vec<u8>>, ReadError> {
+        if entry.len() > LONGEST_NAME {
+            return Ok(None);
+        }
         let (which, limit) = if self.limits.entry_bytes <= self.limits.total_bytes - self.read_bytes {
             ("one file", self.limits.entry_bytes)
         } else {
@@ -174,6 +212,7 @@ impl Archive {
 }
 
 fn open_zip(path: &Path, source: Box<dyn Seekable>) -> Result<Storage, ReadError> {
+    let source = Metered::new(source).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
     let archive = zip::ZipArchive::new(source)
         .map_err(|error| ReadError::NotAnArchive { path: path.to_owned(), reason: error.to_string() })?;
     Ok(Storage::Zip(Box::new(archive)))
