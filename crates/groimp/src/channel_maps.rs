@@ -8,6 +8,9 @@ use crate::values::{Kind, Members};
 use scene::{Channel, ChannelId, CoordinateMap, DMat2, DVec2};
 use std::collections::HashSet;
 
+/// Changes of coordinates one after another; each channel holds its whole chain.
+const LONGEST_CHAIN: usize = 100;
+
 impl<'a> Channels<'a> {
     /// GroIMP's `Checker`.
     pub(crate) fn checker(
@@ -57,6 +60,11 @@ impl<'a> Channels<'a> {
                 out.report.warn(message, self.graph.location(line));
                 break;
             };
+            if maps.len() == LONGEST_CHAIN {
+                let message = format!("more than {LONGEST_CHAIN} inputs of a channel map are left out");
+                out.report.warn(message, self.graph.location(line));
+                break;
+            }
             (fields, line) = (map.fields, map.line);
             match self.affine_uv(fields)? {
                 Some(affine) => maps.push(affine),
