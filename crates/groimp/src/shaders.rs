@@ -91,25 +91,25 @@ impl<'a> Shaders<'a> {
         'a: 's,
     {
         let mut source = source;
-        let mut node = None;
+        let mut nodes = Vec::new();
         for _ in 0..LONGEST_CHAIN {
             let step = match source {
                 ShaderSource::Module(shader) => self.module_shader(shader, out)?,
                 ShaderSource::Value(value) => self.value(value, out)?,
                 ShaderSource::Node(index) => {
-                    if let Some(known) = self.by_node.get(&index) {
-                        return Ok(*known);
+                    if let Some(known) = self.by_node.get(&index).copied() {
+                        self.by_node.extend(nodes.into_iter().map(|node| (node, known)));
+                        return Ok(known);
                     }
-                    node = node.or(Some(index));
+                    nodes.push(index);
                     let n = self.graph.node(index);
                     self.class(self.graph.type_name(index), n.fields, None, n.line, out)?
                 }
             };
             match step {
                 Step::Done(material) => {
-                    if let Some(node) = node {
-                        self.by_node.insert(node, material);
-                    }
+                    // Also those on the way: many may lead to the same shader.
+                    self.by_node.extend(nodes.into_iter().map(|node| (node, material)));
                     return Ok(material);
                 }
                 Step::Follow(next) => source = next,
