@@ -48,6 +48,7 @@ use modules::{SourceFile, Sources};
 use output::Output;
 use registry::Registry;
 use shaders::Shaders;
+use std::collections::HashSet;
 use std::path::Path;
 use types::Types;
 use view::View;
@@ -97,7 +98,7 @@ fn read_archive(mut archive: Archive) -> Result<(Project, Vec<DrawnFrames>), Rea
     let graph = Graph::parse(&registry.graph, &archive.require(&registry.graph)?, &mut report)?;
     let sources = read_sources(&mut archive, &registry, &mut report)?;
     let view = read_view(&archive, &registry, &mut report);
-    let types = Types::new(&graph, &sources);
+    let types = Types::new(&graph, &sources, limits);
     let shaders = Shaders::new(&graph, &registry, Images::new(archive));
     let mut builder =
         Builder::new(&graph, &view, &types, &sources, shaders, Output::with_report(report), limits);
@@ -106,15 +107,28 @@ fn read_archive(mut archive: Archive) -> Result<(Project, Vec<DrawnFrames>), Rea
     Ok((Project { scene, report }, frames))
 }
 
+/// Bytes of all model sources together. Once it is split into tokens, a source takes some fifty times as much memory.
+const MOST_SOURCE_BYTES: usize = 16 << 20;
+
 fn read_sources(
     archive: &mut Archive,
     registry: &Registry,
     report: &mut Report,
 ) -> Result<Sources, ReadError> {
     let mut files = Vec::new();
-    for path in &registry.sources {
+    let mut bytes = 0;
+    let mut seen = HashSet::new();
+    for path in registry.sources.iter().filter(|path| seen.insert(path.as_str())) {
         match archive.read_source(path)? {
-            Some(text) => files.push(SourceFile { path: path.clone(), text }),
+            Some(text) if bytes + text.len() > MOST_SOURCE_BYTES => {
+                let message =
+                    format!("the sources have more than {MOST_SOURCE_BYTES} bytes; '{path}' is left out");
+                report.warn(message, None);
+            }
+            Some(text) => {
+                bytes += text.len();
+                files.push(SourceFile { path: path.clone(), text });
+            }
             None => report.warn(format!("the source '{path}' is not in the project"), None),
         }
     }
