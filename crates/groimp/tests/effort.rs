@@ -81,6 +81,14 @@ fn bodies_that_make_large_instances() {
 }
 
 #[test]
+fn a_body_that_asks_a_large_node_for_many_fields() {
+    let fields = numbered(SIZE, |i| format!("int a{i};"));
+    let stored = many("<data gx:name=\"x\"/>").repeat(4);
+    let node = format!("<node id=\"1\" type=\"Model$B\" edges=\"+\">{stored}</node>");
+    project(&node, &format!("module A {{ {fields} }} module B extends A ==> F;"));
+}
+
+#[test]
 fn types_that_share_a_costly_base() {
     let types = numbered(SIZE, |i| format!("module A{i} extends B;"));
     project(&nodes_of_types(), &format!("module B {{ float x = {} 1; }} {types}", many("1+")));
