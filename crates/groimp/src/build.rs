@@ -1,6 +1,5 @@
 //! From the graph to the scene: depth-first along the tree edges, with an explicit stack.
 
-use crate::ReadError;
 use crate::body::Bodies;
 use crate::classes::{Amount, AxisShape, Class, Skip};
 use crate::daylight::{self, DaylightValue};
@@ -22,6 +21,7 @@ use crate::transform::{self, Frames};
 use crate::turtle_state::{EGA_COLORS, StateCommand, TurtleState, initial_turtle_state};
 use crate::types::Types;
 use crate::view::View;
+use crate::{Limits, ReadError};
 use glam::{DAffine3, DVec3};
 use scene::{Interior, Light, MaterialId, Object, Origin, Sky, SkyRadiance};
 
@@ -105,6 +105,7 @@ impl<'a> Builder<'a> {
         shaders: Shaders<'a>,
         surfaces: Surfaces,
         out: Output,
+        limits: Limits,
     ) -> Self {
         let initial = TurtleState::default();
         Builder {
@@ -112,14 +113,14 @@ impl<'a> Builder<'a> {
             view,
             types,
             sources,
-            bodies: Bodies::default(),
+            bodies: Bodies::within(limits),
             shaders,
             out,
             frames: Vec::new(),
             surfaces,
             placed_targets: PlacedTargets::new(graph, types),
             distributions: Distributions::default(),
-            groups: Groups::default(),
+            groups: Groups::within(limits),
             initial,
             meshes: Meshes::default(),
             visits: vec![Visit::Done(0); graph.nodes.len()],

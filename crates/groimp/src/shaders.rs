@@ -113,16 +113,17 @@ impl<'a> Shaders<'a> {
         'a: 's,
     {
         let mut source = source;
-        let mut node = None;
+        let mut nodes = Vec::new();
         for _ in 0..LONGEST_CHAIN {
             let step = match source {
                 ShaderSource::Module(shader) => self.module_shader(shader, out)?,
                 ShaderSource::Value(value) => self.value(value, out)?,
                 ShaderSource::Node(index) => {
-                    if let Some(known) = self.by_node.get(&(index, side)) {
-                        return Ok(*known);
+                    if let Some(known) = self.by_node.get(&(index, side)).copied() {
+                        self.by_node.extend(nodes.into_iter().map(|node| ((node, side), known)));
+                        return Ok(known);
                     }
-                    node = node.or(Some(index));
+                    nodes.push(index);
                     let n = self.graph.node(index);
                     self.class(self.graph.type_name(index), n.fields, None, n.line, out)?
                 }
@@ -150,9 +151,8 @@ impl<'a> Shaders<'a> {
                     Some(self.side_switch(front, back, out))
                 }
             };
-            if let Some(node) = node {
-                self.by_node.insert((node, side), material);
-            }
+            // Also those on the way: many may lead to the same shader.
+            self.by_node.extend(nodes.into_iter().map(|node| ((node, side), material)));
             return Ok(material);
         }
         out.report.warn("a shader refers to itself; grey is used instead", None);

@@ -101,7 +101,7 @@ struct ChannelRecord {
     operation: u32,
     first: u32,
     size: u32,
-    bilinear: u32
+    mode: u32
 }
 const LIGHT_POINT: u32 = 0u;
 const LIGHT_SPOT: u32 = 1u;
@@ -1047,6 +1047,29 @@ fn wave_form(form: u32, v: f32) -> f32 {
     return sqrt(max(v, 0.0));
 }
 
+fn srgb_encode(linear: f32) -> f32 {
+    if (linear >= 1.0) {
+        return 1.0;
+    }
+    let x = max(linear, 0.0);
+    if (x <= 0.0031308) {
+        return (12.92 * x);
+    }
+    return ((1.055 * pow(x, (1.0 / 2.4))) - 0.055);
+}
+
+fn srgb_decode(encoded: f32) -> f32 {
+    if (encoded <= 0.04045) {
+        return (encoded / 12.92);
+    }
+    return pow(((encoded + 0.055) / 1.055), 2.4);
+}
+
+fn tone_map(radiance: vec3f, exposure: f32) -> vec3f {
+    let exposed = (radiance * exp2(exposure));
+    return vec3f(srgb_encode(exposed.x), srgb_encode(exposed.y), srgb_encode(exposed.z));
+}
+
 fn unpack_texel(texel: u32) -> vec4f {
     return (vec4f(f32((texel & 255u)), f32(((texel >> 8u) & 255u)), f32(((texel >> 16u) & 255u)), f32((texel >> 24u))) * (1.0 / 255.0));
 }
@@ -1061,7 +1084,11 @@ fn fetch_texel_Buffers(scene: Buffers, channel: ChannelRecord, column: u32, row:
     let height = (channel.size >> 16u);
     let x = (column % width);
     let y = ((height - 1u) - (row % height));
-    return unpack_texel(Buffers_texel(scene, ((channel.first + (y * width)) + x)));
+    let color = unpack_texel(Buffers_texel(scene, ((channel.first + (y * width)) + x)));
+    if ((channel.mode & 2u) == 0u) {
+        return color;
+    }
+    return vec4f(srgb_decode(color.x), srgb_decode(color.y), srgb_decode(color.z), color.w);
 }
 
 fn image_color_Buffers(scene: Buffers, channel: ChannelRecord, uv: vec2f) -> vec4f {
@@ -1073,7 +1100,7 @@ fn image_color_Buffers(scene: Buffers, channel: ChannelRecord, uv: vec2f) -> vec
     let row = u32(y);
     let wx = (x - floor(x));
     let wy = (y - floor(y));
-    let corners = select(1u, 4u, (channel.bilinear != 0u));
+    let corners = select(1u, 4u, ((channel.mode & 1u) != 0u));
     var color = vec4f(0.0, 0.0, 0.0, 0.0);
     for (var corner = 0u; corner < corners; corner++) {
         let right = (corner & 1u);
@@ -1242,11 +1269,11 @@ fn compute_number_Buffers(scene: Buffers, record: ChannelRecord, before: Channel
         let ratios = Buffers_channel(scene, before.next);
         after.next = (before.next + 1u);
         var q = (p * v.x);
-        var kind = record.bilinear;
+        var kind = record.mode;
         if (op == CHANNEL_TURBULENCE) {
             kind = NOISE_VECTOR;
             q = p;
-            if (record.bilinear == 1u) {
+            if (record.mode == 1u) {
                 q = before.uvw;
             }
         }
@@ -1254,7 +1281,7 @@ fn compute_number_Buffers(scene: Buffers, record: ChannelRecord, before: Channel
         let moved = (q + (vec3f(v.x, v.y, v.z) * noise));
         if (op == CHANNEL_NOISE) {
             after.number = noise.x;
-        } else if (record.bilinear == 1u) {
+        } else if (record.mode == 1u) {
             after.uvw = moved;
         } else {
             after.xyz = moved;
@@ -2455,7 +2482,7 @@ fn with_normal_maps_Buffers(
     var index = material.normal_map;
     while (index != NONE) {
         let normal_map = Buffers_channel(scene, index);
-        index = normal_map.bilinear;
+        index = normal_map.mode;
         if normal_map_covers(normal_map, at.uv) {
             let slopes = (height_slopes_Buffers(scene, normal_map, at, local, world) * normal_map.value.x);
             du += (normal * (slopes.x - dot(du, normal)));
