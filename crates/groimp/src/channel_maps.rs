@@ -2,7 +2,8 @@
 
 use crate::ReadError;
 use crate::channels::{Channels, MISSING, MapNode, forwards_colors};
-use crate::fields::{number_of, transform_of, wrong_value};
+use crate::field_errors::{number_of, wrong_value};
+use crate::fields::transform_of;
 use crate::output::Output;
 use crate::values::{Kind, Members, Value, parse_number, parse_numbers, tokens};
 use scene::{Channel, ChannelId, CoordinateMap, DAffine3, DMat2, DVec2, DVec3, Rgb};

@@ -1,10 +1,10 @@
 //! What bodies are filled with: GroIMP's `IOR` (materials-and-lights.md 1.6).
 
 use crate::ReadError;
-use crate::fields::number_of;
+use crate::field_errors::number_of;
 use crate::graph::Graph;
+use crate::references::References;
 use crate::report::Report;
-use crate::shaders::Shaders;
 use crate::values::Value;
 use scene::Interior;
 
@@ -12,10 +12,10 @@ use scene::Interior;
 pub(crate) fn interior(
     value: &Value,
     graph: &Graph,
-    shaders: &Shaders<'_>,
+    references: &References<'_>,
     report: &mut Report,
 ) -> Result<Option<Interior>, ReadError> {
-    let Some(found) = shaders.follow(value) else { return Ok(None) };
+    let Some(found) = references.follow(value) else { return Ok(None) };
     if !found.class.ends_with(".IOR") {
         let message = format!("the interior of class '{}' is not known and left out", found.class);
         report.warn(message, graph.location(value.line));

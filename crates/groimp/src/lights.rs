@@ -1,14 +1,13 @@
 //! Lights: point, spot, directional, physical, ambient and area lights, and skies with a plain shader.
 
 use crate::ReadError;
-use crate::channels::color_of;
 use crate::daylight::{self, DaylightValue};
 use crate::distributions::Distributions;
-use crate::fields::{Field, Fields, number_of};
-use crate::graph::Graph;
+use crate::fields::{Field, Fields};
+use crate::object_fields::ObjectFields;
 use crate::output::Output;
 use crate::shaders::Shaders;
-use crate::values::{Kind, Members, Value};
+use crate::values::Kind;
 use glam::{DAffine3, DVec3};
 use scene::{Camera, Daylight, Emission, LightKind, Material, MaterialId, Rgb, Scene, SkyRadiance};
 
@@ -56,11 +55,11 @@ pub(crate) fn light(
         if value.kind == Kind::Null {
             return Ok(LightValue::None);
         }
-        let Some(found) = shaders.follow(value) else {
+        let Some(found) = shaders.references.follow(value) else {
             return Ok(LightValue::Skipped("LightNode".to_owned(), "its light is not in the file"));
         };
         let class = if found.class.is_empty() { "de.grogra.imp3d.objects.PointLight" } else { found.class };
-        let object = Object { graph, members: found.members, class };
+        let object = ObjectFields { graph, members: found.members, class };
         if !class.ends_with(".SpectralLight") {
             return object.light(found.line, spectral_power, shaders, distributions, out);
         }
@@ -104,7 +103,7 @@ pub(crate) fn area_light(
     if !class.ends_with(".AreaLight") {
         return Ok(Some(Err(format!("its light of class '{class}' is not supported yet"))));
     }
-    let object = Object { graph: fields.graph, members: value.members, class };
+    let object = ObjectFields { graph: fields.graph, members: value.members, class };
     let power = object.number("power", 100.0)?;
     let exponent = object.number("exponent", 4.0)?;
     if !(power.is_finite() && power >= 0.0 && exponent.is_finite() && exponent >= 0.0) {
@@ -148,14 +147,8 @@ pub(crate) fn default_light(camera: &Camera) -> (LightKind, DAffine3) {
     (kind, camera.view_from_world.inverse() * view_from_light)
 }
 
-/// Fields of a light, which is a value as a rule and no node of the tree.
-pub(crate) struct Object<'a> {
-    pub graph: &'a Graph,
-    pub members: Members,
-    pub class: &'a str,
-}
-
-impl Object<'_> {
+impl ObjectFields<'_> {
+    /// The light that the object is.
     fn light(
         &self,
         line: usize,
@@ -205,22 +198,6 @@ impl Object<'_> {
             }
         };
         Ok(checked(kind, self.flag("shadowless", false), self.class))
-    }
-
-    pub fn find(&self, name: &str) -> Option<&Value> {
-        self.graph.values.find(self.members, name)
-    }
-
-    pub fn number(&self, name: &str, default: f64) -> Result<f64, ReadError> {
-        self.find(name).map_or(Ok(default), |value| number_of(self.graph, value, self.class, name))
-    }
-
-    pub fn flag(&self, name: &str, default: bool) -> bool {
-        self.find(name).map_or(default, |value| value.text() == "true")
-    }
-
-    fn color(&self) -> Result<Rgb, ReadError> {
-        self.find("color").map_or(Ok([1.0; 3]), |value| color_of(self.graph, value))
     }
 }
 

@@ -2,18 +2,16 @@
 
 use crate::ReadError;
 use crate::channels::{Channels, Mean};
-use crate::fields::wrong_value;
-use crate::graph::{Graph, Node, NodeIndex};
+use crate::field_errors::wrong_value;
+use crate::graph::{Graph, NodeIndex};
 use crate::images::Images;
 use crate::modules::StaticShader;
 use crate::output::Output;
+use crate::references::{LONGEST_CHAIN, References};
 use crate::registry::Registry;
 use crate::values::{Kind, Members, Value, parse_number, tokens};
 use scene::{ChannelId, Material, MaterialId, Phong, Rgb};
 use std::collections::HashMap;
-
-/// Shaders lead to shaders; a longer chain is a cycle.
-const LONGEST_CHAIN: usize = 64;
 
 /// GRAY among the predefined shaders: what an unknown name and the root of the scene get.
 pub(crate) const GRAY: u32 = 20;
@@ -61,6 +59,7 @@ enum Side {
 pub(crate) struct Shaders<'a> {
     graph: &'a Graph,
     registry: &'a Registry,
+    pub references: References<'a>,
     channels: Channels<'a>,
     by_node: HashMap<(NodeIndex, Option<Side>), Option<MaterialId>>,
     by_value: HashMap<Key, MaterialId>,
@@ -72,6 +71,7 @@ impl<'a> Shaders<'a> {
         Shaders {
             graph,
             registry,
+            references: References { graph, registry },
             channels: Channels::new(graph, registry, images),
             by_node: HashMap::new(),
             by_value: HashMap::new(),
@@ -159,70 +159,6 @@ impl<'a> Shaders<'a> {
         Ok(Some(self.predefined(GRAY, out)))
     }
 
-    /// The object that a value is or refers to, through names and shared objects; `None` if there is none.
-    pub fn follow<'s>(&self, value: &'s Value) -> Option<Found<'s>>
-    where
-        'a: 's,
-    {
-        let mut value = value;
-        for _ in 0..LONGEST_CHAIN {
-            let node = match value.kind {
-                Kind::Null => return None,
-                Kind::Ref => self.graph.by_id(value.text().parse().ok()?)?,
-                Kind::Shared => self.shared(value.text())?,
-                Kind::Data | Kind::Object | Kind::Array | Kind::Serialized => {
-                    let class = self.graph.values.type_of(value).unwrap_or("");
-                    let found = Found { class, members: value.members, line: value.line };
-                    match self.next(&found) {
-                        Next::Value(next) => value = next,
-                        Next::Nothing => return None,
-                        Next::Node(node) => match self.at_node(node) {
-                            Ok(found) => return Some(found),
-                            Err(next) => value = next?,
-                        },
-                        Next::Arrived => return Some(found),
-                    }
-                    continue;
-                }
-            };
-            match self.at_node(node) {
-                Ok(found) => return Some(found),
-                Err(next) => value = next?,
-            }
-        }
-        None
-    }
-
-    /// The object at a node, or the value that it refers to instead.
-    fn at_node(&self, node: NodeIndex) -> Result<Found<'a>, Option<&'a Value>> {
-        let mut node = node;
-        for _ in 0..LONGEST_CHAIN {
-            let Node { fields, line, .. } = *self.graph.node(node);
-            let found = Found { class: self.graph.type_name(node), members: fields, line };
-            match self.next(&found) {
-                Next::Arrived => return Ok(found),
-                Next::Value(value) => return Err(Some(value)),
-                Next::Node(next) => node = next,
-                Next::Nothing => break,
-            }
-        }
-        Err(None)
-    }
-
-    fn next(&self, found: &Found<'_>) -> Next<'a> {
-        let present = |name| self.graph.values.find(found.members, name).filter(|v| v.kind != Kind::Null);
-        let to = |value: Option<&'a Value>| value.map_or(Next::Nothing, Next::Value);
-        match found.class.rsplit('.').next().unwrap_or("") {
-            "SharedObjectNode" => to(present("object")),
-            "AlgorithmSwitchShader" => to(present("raytracerShader").or(present("guiShader"))),
-            "ShaderRef" | "MaterialRef" => {
-                let named = present("name").and_then(|name| self.named(name.text()));
-                named.map_or(Next::Nothing, Next::Node)
-            }
-            _ => Next::Arrived,
-        }
-    }
-
     /// The project's file that a registry path names.
     pub fn file_of(&self, path: &str) -> Option<String> {
         self.registry.files.get(path).cloned()
@@ -240,7 +176,7 @@ impl<'a> Shaders<'a> {
         let target = match value.kind {
             Kind::Null => return Ok(Step::Done(None)),
             Kind::Ref => value.text().parse().ok().and_then(|id| self.graph.by_id(id)),
-            Kind::Shared => self.shared(value.text()),
+            Kind::Shared => self.references.shared(value.text()),
             Kind::Data | Kind::Object | Kind::Array | Kind::Serialized => {
                 let class = self.graph.values.type_of(value).unwrap_or("");
                 return self.class(class, value.members, Some(value), value.line, out);
@@ -254,21 +190,8 @@ impl<'a> Shaders<'a> {
         Ok(Step::Done(Some(self.predefined(GRAY, out))))
     }
 
-    /// Node of a shared object: `MetaGraph:#94`, or a path in the registry.
-    fn shared(&self, text: &str) -> Option<NodeIndex> {
-        if let Some((_, id)) = text.split_once(":#") {
-            return self.graph.by_id(id.trim().parse().ok()?);
-        }
-        let path = crate::inline::registry_path(text)?;
-        self.named(path.strip_prefix("/project/objects/3d/shaders/")?)
-    }
-
-    fn named(&self, name: &str) -> Option<NodeIndex> {
-        self.graph.by_id(self.registry.shaders.get(name)?.trim().parse().ok()?)
-    }
-
     fn by_name(&mut self, name: &str, out: &mut Output) -> Step<'a> {
-        if let Some(node) = self.named(name) {
+        if let Some(node) = self.references.named(name) {
             return Step::Follow(ShaderSource::Node(node));
         }
         out.report.warn(format!("the project has no shader '{name}'; grey is used, as in GroIMP"), None);
@@ -431,21 +354,4 @@ enum Step<'a> {
     Done(Option<MaterialId>),
     Follow(ShaderSource<'a>),
     Sides { front: ShaderSource<'a>, back: ShaderSource<'a> },
-}
-
-/// An object of the file.
-pub(crate) struct Found<'a> {
-    /// Empty if the file does not say.
-    pub class: &'a str,
-    pub members: Members,
-    pub line: usize,
-}
-
-/// Where an object leads that stands for another one.
-enum Next<'a> {
-    /// It stands for itself.
-    Arrived,
-    Value(&'a Value),
-    Node(NodeIndex),
-    Nothing,
 }
