@@ -2,7 +2,7 @@
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
-use render::{DeviceChoice, PictureFormat, RenderSettings};
+use render::{Acceleration, DeviceChoice, PictureFormat, RenderSettings};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -26,6 +26,8 @@ pub enum Command {
     Info(InfoArguments),
     /// List the processors and graphics cards that can render
     Devices,
+    /// Measure this machine
+    Bench(BenchArguments),
 }
 
 /// `sunshine render`.
@@ -83,6 +85,11 @@ pub struct RenderArguments {
     #[arg(long, value_name = "METRES", value_parser = parse_flatness)]
     pub flatness: Option<f64>,
 
+    /// How objects are found along a ray: bvh by a hierarchy of boxes, none by testing every object, which is slow and
+    /// there to compare with
+    #[arg(long, value_name = "KIND", default_value = "bvh", value_parser = parse_acceleration)]
+    pub accel: Acceleration,
+
     /// Processor threads to use [default: all]
     #[arg(long, value_name = "N", value_parser = whole_number(1..=4096))]
     pub threads: Option<u32>,
@@ -117,6 +124,46 @@ impl RenderArguments {
             seed: self.seed,
         }
     }
+}
+
+/// `sunshine bench`.
+#[derive(Debug, Args)]
+pub struct BenchArguments {
+    /// What to measure.
+    #[command(subcommand)]
+    pub command: BenchCommand,
+}
+
+/// What can be measured.
+#[derive(Debug, Subcommand)]
+pub enum BenchCommand {
+    /// Repeat the experiments of the thesis of 2008: tables beside its figures, curves and pictures
+    Thesis(ThesisArguments),
+}
+
+/// `sunshine bench thesis`.
+#[derive(Debug, Args)]
+pub struct ThesisArguments {
+    /// Folder for tables (.txt, .csv), curves (.svg) and pictures (.png) [default: thesis- and the name of this
+    /// machine]
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+
+    /// Measure this device; may be given several times [default: the processor, and a graphics card if there is one]
+    #[arg(long, value_name = "DEVICE", value_parser = str::parse::<DeviceChoice>)]
+    pub device: Vec<DeviceChoice>,
+
+    /// Small pictures, to see in a minute whether everything works; their times say little
+    #[arg(long)]
+    pub quick: bool,
+
+    /// Processor threads to use [default: all]
+    #[arg(long, value_name = "N", value_parser = whole_number(1..=4096))]
+    pub threads: Option<u32>,
+
+    /// Print nothing but the tables and errors
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// `sunshine info`.
@@ -185,6 +232,14 @@ fn parse_exposure(text: &str) -> Result<f32, String> {
     const LIMIT: f32 = 100.0;
     let stops = text.trim().parse().ok().filter(|stops: &f32| stops.abs() <= LIMIT);
     stops.ok_or_else(|| format!("expected a number of stops from -{LIMIT} to {LIMIT}, for example -1.5"))
+}
+
+fn parse_acceleration(text: &str) -> Result<Acceleration, String> {
+    match text {
+        "bvh" => Ok(Acceleration::Bvh),
+        "none" => Ok(Acceleration::None),
+        _ => Err("expected bvh or none".to_owned()),
+    }
 }
 
 /// A distance in metres, from a micrometre up.

@@ -24,7 +24,8 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     let project = timed(&mut seconds.read, || groimp::read_with(&arguments.scene, &arguments.read_options()))
         .map_err(Failure::reading(&arguments.scene))?;
     messages.report(&project.report);
-    let scene = Arc::new(timed(&mut seconds.compile, || render::compile(&project.scene))?);
+    let scene =
+        Arc::new(timed(&mut seconds.compile, || render::compile_with(&project.scene, arguments.accel))?);
     let loaded = timed(&mut seconds.upload, || device.load(Arc::clone(&scene)))?;
 
     let progress = messages.follow(settings.total_samples());
