@@ -2,7 +2,7 @@
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
-use render::{Acceleration, DeviceChoice, PictureFormat, RenderSettings};
+use render::{Acceleration, DeviceChoice, PictureFormat, RenderSettings, Renderer};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -45,6 +45,11 @@ pub struct RenderArguments {
     #[arg(long, value_name = "WxH", default_value_t = Size::of(&RenderSettings::default()))]
     pub size: Size,
 
+    /// How light is computed: pathtracer (all of it, with noise) or raytracer (direct light, shadows, mirrors and
+    /// glass, as GroIMP's own ray tracer)
+    #[arg(long, value_name = "RENDERER", default_value_t = RenderSettings::default().renderer)]
+    pub renderer: Renderer,
+
     /// Light paths followed per pixel; four times as many halve the noise and take four times as long
     #[arg(long, value_name = "N", default_value_t = RenderSettings::default().samples,
           value_parser = whole_number(1..=u32::MAX))]
@@ -54,6 +59,15 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", default_value_t = RenderSettings::default().depth,
           value_parser = whole_number(1..=1000))]
     pub depth: u32,
+
+    /// Ray tracer: shadow rays to every area light and sky; more make soft shadows smoother
+    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().shadow_samples,
+          value_parser = whole_number(1..=65536))]
+    pub shadow_samples: u32,
+
+    /// Radiance in W/(m² sr) of what lies behind the scene if it has no sky; seen, but lighting nothing
+    #[arg(long, value_name = "R,G,B", default_value = "0,0,0", value_parser = parse_background)]
+    pub background: [f32; 3],
 
     /// Divide every pixel into N x N cells and spread the samples evenly over them; smooths edges
     #[arg(long, value_name = "N", default_value_t = RenderSettings::default().grid,
@@ -122,6 +136,9 @@ impl RenderArguments {
             depth: self.depth,
             grid: self.grid,
             seed: self.seed,
+            renderer: self.renderer,
+            shadow_samples: self.shadow_samples,
+            background: self.background,
         }
     }
 }
@@ -242,6 +259,19 @@ fn parse_acceleration(text: &str) -> Result<Acceleration, String> {
     }
 }
 
+/// Three numbers, none of them negative.
+fn parse_background(text: &str) -> Result<[f32; 3], String> {
+    // Far beyond the sun; sums of it stay finite.
+    const LIMIT: f32 = 1e12;
+    let numbers: Vec<f32> = text.split(',').map_while(|number| number.trim().parse().ok()).collect();
+    <[f32; 3]>::try_from(numbers)
+        .ok()
+        .filter(|numbers| {
+            text.split(',').count() == 3 && numbers.iter().all(|number| (0.0..=LIMIT).contains(number))
+        })
+        .ok_or_else(|| "expected three numbers from 0 to 1e12, for example 0.2,0.3,0.5".to_owned())
+}
+
 /// A distance in metres, from a micrometre up.
 fn parse_flatness(text: &str) -> Result<f64, String> {
     let metres = text.trim().parse().ok().filter(|metres: &f64| metres.is_finite() && *metres >= 1e-6);
@@ -314,6 +344,12 @@ mod tests {
             ["--device", "tpu"],
             ["--size", "big"],
             ["--output", "picture.jpg"],
+            ["--renderer", "radiosity"],
+            ["--shadow-samples", "0"],
+            ["--background", "1,1"],
+            ["--background", "1,1,1,x"],
+            ["--background", "1,-1,1"],
+            ["--background", "1,nan,1"],
         ] {
             assert!(render(&wrong).is_err(), "{wrong:?}");
         }
@@ -323,6 +359,14 @@ mod tests {
     fn exposures_may_be_negative() {
         assert_eq!(render(&["--exposure", "-1.5"]).unwrap().exposure, Some(-1.5));
         assert_eq!(render(&["--exposure=+2"]).unwrap().exposure, Some(2.0));
+    }
+
+    #[test]
+    fn the_ray_tracer_has_settings() {
+        let words = ["--renderer", "raytracer", "--shadow-samples", "191", "--background", "0.2, 0.3,0.5"];
+        let settings = render(&words).unwrap().settings();
+        assert_eq!(settings.renderer, Renderer::RayTracer);
+        assert_eq!((settings.shadow_samples, settings.background), (191, [0.2, 0.3, 0.5]));
     }
 
     #[test]

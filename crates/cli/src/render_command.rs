@@ -20,7 +20,8 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     let mut seconds = Seconds::default();
     let threads = arguments.threads.map(|threads| threads as usize);
     // A device that is not there is told before a large scene is read.
-    let device = timed(&mut seconds.open, || render::open_device(arguments.device, threads))?;
+    let device =
+        timed(&mut seconds.open, || render::open_device_for(arguments.device, threads, settings.renderer))?;
     let project = timed(&mut seconds.read, || groimp::read_with(&arguments.scene, &arguments.read_options()))
         .map_err(Failure::reading(&arguments.scene))?;
     messages.report(&project.report);

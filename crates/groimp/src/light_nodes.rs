@@ -33,9 +33,10 @@ impl<'a> Builder<'a> {
             LightValue::Light { .. } if !shapes::is_invertible(&site.frames.own) => {
                 self.skip(site.node, "its transformation is flat or not a number");
             }
-            LightValue::Light { kind, shadowless } => {
+            LightValue::Light { kind, attenuation, shadowless } => {
                 let origin = self.origin(site.node);
-                let light = Light { kind, world_from_light: site.frames.own, shadowless, origin };
+                let world_from_light = site.frames.own;
+                let light = Light { kind, world_from_light, attenuation, shadowless, origin };
                 self.out.scene.lights.push(light);
                 self.has_light = true;
             }
@@ -98,7 +99,13 @@ impl<'a> Builder<'a> {
     pub fn add_default_light(&mut self) {
         let (kind, world_from_light) = lights::default_light(&self.view.camera);
         let origin = self.out.origin(-1, "default light");
-        self.out.scene.lights.push(Light { kind, world_from_light, shadowless: true, origin });
+        self.out.scene.lights.push(Light {
+            kind,
+            world_from_light,
+            attenuation: Default::default(),
+            shadowless: true,
+            origin,
+        });
         let message =
             "the scene has no light; GroIMP's default light from the upper left behind the camera is added";
         self.out.report.warn(message, None);

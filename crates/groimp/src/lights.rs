@@ -9,7 +9,9 @@ use crate::output::Output;
 use crate::shaders::Shaders;
 use crate::values::Kind;
 use glam::{DAffine3, DVec3};
-use scene::{Camera, Daylight, Emission, LightKind, Material, MaterialId, Rgb, Scene, SkyRadiance};
+use scene::{
+    Attenuation, Camera, Daylight, Emission, LightKind, Material, MaterialId, Rgb, Scene, SkyRadiance,
+};
 
 /// What a light value turned out to be.
 pub(crate) enum LightValue {
@@ -17,6 +19,7 @@ pub(crate) enum LightValue {
     None,
     Light {
         kind: LightKind,
+        attenuation: Attenuation,
         shadowless: bool,
     },
     /// An AmbientLight of that colour.
@@ -45,7 +48,7 @@ pub(crate) fn light(
 ) -> Result<LightValue, ReadError> {
     let white_point = LightKind::Point { power: share(100.0, [1.0; 3]) };
     let Field::File(value) = fields.get("light") else {
-        return Ok(LightValue::Light { kind: white_point, shadowless: false });
+        return Ok(checked(white_point, Attenuation::default(), false, "PointLight"));
     };
     let graph = fields.graph;
     let mut value = value;
@@ -71,14 +74,17 @@ pub(crate) fn light(
         spectral_power = spectral_power.or(Some(power));
         match graph.values.find(found.members, "light") {
             Some(inner) => value = inner,
-            None => return Ok(checked(LightKind::Point { power: share(power, [1.0; 3]) }, false, class)),
+            None => {
+                let kind = LightKind::Point { power: share(power, [1.0; 3]) };
+                return Ok(checked(kind, Attenuation::default(), false, class));
+            }
         }
     }
     Ok(LightValue::Skipped("LightNode".to_owned(), "its light contains itself"))
 }
 
 /// The light, unless its power is no power.
-fn checked(kind: LightKind, shadowless: bool, class: &str) -> LightValue {
+fn checked(kind: LightKind, attenuation: Attenuation, shadowless: bool, class: &str) -> LightValue {
     let (LightKind::Point { power }
     | LightKind::Spot { power, .. }
     | LightKind::Physical { power, .. }
@@ -86,7 +92,16 @@ fn checked(kind: LightKind, shadowless: bool, class: &str) -> LightValue {
     if !power.iter().all(|p| p.is_finite() && *p >= 0.0) {
         return LightValue::Skipped(class.to_owned(), "its power is negative or not a number");
     }
-    LightValue::Light { kind, shadowless }
+    LightValue::Light { kind, attenuation, shadowless }
+}
+
+/// How a light fades, from the fields of a PointLight; numbers that make no sense leave it as bright everywhere.
+pub(crate) fn attenuation(exponent: f64, distance: f64) -> Attenuation {
+    if exponent.is_finite() && exponent > 0.0 && distance.is_finite() && distance > 0.0 {
+        Attenuation { exponent, distance }
+    } else {
+        Attenuation::default()
+    }
 }
 
 /// The area light of a Parallelogram whose shader has the average colour `color`; an error text if it cannot
@@ -197,7 +212,9 @@ impl ObjectFields<'_> {
                 return Ok(LightValue::Skipped(self.class.to_owned(), reason));
             }
         };
-        Ok(checked(kind, self.flag("shadowless", false), self.class))
+        let attenuation =
+            attenuation(self.number("attenuationExponent", 0.0)?, self.number("attenuationDistance", 1.0)?);
+        Ok(checked(kind, attenuation, self.flag("shadowless", false), self.class))
     }
 }
 

@@ -18,6 +18,7 @@ pub mod kernel {
     use crate::medium::kernel::*;
     use crate::mesh::kernel::*;
     use crate::random::kernel::*;
+    use crate::raytrace::kernel::*;
     use crate::records::kernel::*;
     use crate::shape::kernel::*;
     use crate::sky::kernel::*;
@@ -150,7 +151,13 @@ pub mod kernel {
     }
 
     /// Follows one path from the camera; it touches at most `depth` surfaces and may then still find a light.
-    pub fn trace_path<S: SceneAccess + Copy>(scene: S, key: SampleKey, first: Ray, depth: u32) -> PathSample {
+    pub fn trace_path<S: SceneAccess + Copy>(
+        scene: S,
+        key: SampleKey,
+        first: Ray,
+        depth: u32,
+        background: Vec3f,
+    ) -> PathSample {
         let mut result = PathSample { radiance: vec3f(0.0, 0.0, 0.0), rays: 0 };
         let mut throughput = vec3f(1.0, 1.0, 1.0);
         let mut ray = first;
@@ -171,6 +178,10 @@ pub mod kernel {
             result.rays += 1;
             if hit.object == NONE {
                 result.radiance += throughput * escaped_radiance::<S>(scene, previous, ray.direction);
+                // The background is seen by the eye and in ideal mirrors, it is no light.
+                if previous.pdf <= 0.0 {
+                    result.radiance += throughput * background_radiance::<S>(scene, background);
+                }
                 return result;
             }
             let shape = S::shape(scene, hit.object);
@@ -270,6 +281,41 @@ pub mod kernel {
         result
     }
 
+    /// A sample by the path tracer.
+    pub fn path_sample<S: SceneAccess + Copy>(
+        scene: S,
+        settings: LaunchSettings,
+        key: SampleKey,
+        ray: Ray,
+    ) -> PathSample {
+        trace_path::<S>(scene, key, ray, settings.depth, settings.background)
+    }
+
+    /// A sample by the ray tracer.
+    pub fn ray_sample<S: SceneAccess + Copy>(
+        scene: S,
+        settings: LaunchSettings,
+        key: SampleKey,
+        ray: Ray,
+    ) -> PathSample {
+        let traced = trace_rays::<S>(scene, settings, key, ray);
+        PathSample { radiance: traced.radiance, rays: traced.rays }
+    }
+
+    /// A sample by the renderer of the settings. Graphics cards have a program for each renderer, in which one of
+    /// the two functions above stands in for this one.
+    pub fn trace_sample<S: SceneAccess + Copy>(
+        scene: S,
+        settings: LaunchSettings,
+        key: SampleKey,
+        ray: Ray,
+    ) -> PathSample {
+        if settings.renderer == RENDERER_RAY_TRACER {
+            return ray_sample::<S>(scene, settings, key, ray);
+        }
+        path_sample::<S>(scene, settings, key, ray)
+    }
+
     /// Adds samples to a pixel of the picture; `x` and `y` count from the top left.
     pub fn render_pixel<S: SceneAccess + Copy>(
         scene: S,
@@ -289,7 +335,7 @@ pub mod kernel {
             };
             let position = pixel_position(key, settings.grid);
             let ray = camera_ray(header, settings, f32(x) + position.x, f32(y) + position.y);
-            let path = trace_path::<S>(scene, key, ray, settings.depth);
+            let path = trace_sample::<S>(scene, settings, key, ray);
             film.radiance += path.radiance;
             film.squares += path.radiance * path.radiance;
             film.rays += path.rays;

@@ -11,10 +11,12 @@ mod film;
 pub mod gpu;
 mod open;
 mod picture;
+mod renderer;
 
 pub use compile::{Acceleration, CompileError, CompiledScene, compile, compile_with};
 pub use device::{ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
 pub use film::{Film, automatic_exposure};
 pub use gpu::{GpuInfo, list_gpus};
-pub use open::{DeviceChoice, automatic_gpu, open_device};
+pub use open::{DeviceChoice, automatic_gpu, open_device, open_device_for};
 pub use picture::{PictureError, PictureFormat, check_writable, write_picture, write_whole_file};
+pub use renderer::Renderer;

@@ -59,6 +59,7 @@ fn point_light(scene: &mut Scene, position: DVec3, watts: f64) {
     scene.lights.push(Light {
         kind: LightKind::Point { power: [watts / 3.0; 3] },
         world_from_light: DAffine3::from_translation(position),
+        attenuation: Default::default(),
         shadowless: false,
         origin: origin(),
     });

@@ -7,15 +7,16 @@ mod shader;
 
 pub use adapters::{GpuInfo, list_gpus};
 
-use crate::{CompiledScene, Device, DeviceError, LoadedScene};
-use std::sync::{Arc, Mutex, PoisonError};
+use crate::{CompiledScene, Device, DeviceError, LoadedScene, Renderer};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A graphics card.
 pub struct Gpu {
     name: String,
     device: wgpu::Device,
     queue: wgpu::Queue,
-    pipeline: wgpu::ComputePipeline,
+    /// A program for each renderer, compiled when it is first used.
+    pipelines: [OnceLock<wgpu::ComputePipeline>; 2],
     /// What went wrong since the last look; filled by the driver at any time.
     errors: Arc<ErrorLog>,
     /// A rasteriser in software is slow and must be given small pieces of work.
@@ -41,7 +42,7 @@ impl Gpu {
     /// Opens an adapter by its number in [`list_gpus`].
     ///
     /// # Errors
-    /// If there is no such adapter or it refuses to run the kernels.
+    /// If there is no such adapter or it refuses to work.
     pub fn open(index: usize) -> Result<Self, DeviceError> {
         let adapters = adapters::all();
         match adapters.get(index) {
@@ -82,30 +83,38 @@ impl Gpu {
             }
         });
 
-        let source = shader::source().map_err(|reason| failed("preparing the kernels", reason))?;
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("path tracer"),
+        Ok(Gpu {
+            name: format!("{} ({})", info.name, info.backend),
+            device,
+            queue,
+            pipelines: Default::default(),
+            errors,
+            is_software: info.is_software,
+        })
+    }
+
+    /// The program of a renderer.
+    pub(crate) fn pipeline(&self, renderer: Renderer) -> Result<&wgpu::ComputePipeline, DeviceError> {
+        let known = &self.pipelines[renderer.index()];
+        if let Some(pipeline) = known.get() {
+            return Ok(pipeline);
+        }
+        let source =
+            shader::source(renderer).map_err(|reason| self.failed("preparing the kernels", reason))?;
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(renderer.name()),
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("path tracer"),
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(renderer.name()),
             layout: None,
             module: &module,
             entry_point: Some("render_tile"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
-        if let Some(reason) = errors.take() {
-            return Err(failed("compiling the kernels", reason));
-        }
-        Ok(Gpu {
-            name: format!("{} ({})", info.name, info.backend),
-            device,
-            queue,
-            pipeline,
-            errors,
-            is_software: info.is_software,
-        })
+        self.check("compiling the kernels")?;
+        Ok(known.get_or_init(|| pipeline))
     }
 
     fn check(&self, doing: &'static str) -> Result<(), DeviceError> {

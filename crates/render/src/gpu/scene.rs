@@ -74,8 +74,9 @@ impl LoadedScene for GpuScene {
     fn render(&self, settings: &RenderSettings, progress: &Progress<'_>) -> Result<Film, DeviceError> {
         let mut film = Film::new(settings.width, settings.height);
         let edge = if self.gpu.is_software { SOFTWARE_TILE } else { TILE };
-        let tile =
-            TileBuffers::new(&self.gpu, &self.tables, edge.min(settings.width), edge.min(settings.height));
+        let pipeline = self.gpu.pipeline(settings.renderer)?;
+        let (width, height) = (edge.min(settings.width), edge.min(settings.height));
+        let tile = TileBuffers::new(&self.gpu, pipeline, &self.tables, width, height);
         let mut pace = Pace { samples: 1 };
         let mut done = 0u64;
         for tile_y in (0..settings.height).step_by(edge as usize) {
@@ -117,6 +118,7 @@ impl Pace {
 
 /// What a tile needs on the card besides the scene.
 struct TileBuffers {
+    pipeline: wgpu::ComputePipeline,
     settings: wgpu::Buffer,
     film: wgpu::Buffer,
     /// Through which the film comes back.
@@ -125,7 +127,13 @@ struct TileBuffers {
 }
 
 impl TileBuffers {
-    fn new(gpu: &Gpu, tables: &[wgpu::Buffer], width: u32, height: u32) -> Self {
+    fn new(
+        gpu: &Gpu,
+        pipeline: &wgpu::ComputePipeline,
+        tables: &[wgpu::Buffer],
+        width: u32,
+        height: u32,
+    ) -> Self {
         let buffer = |label, size, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -148,10 +156,10 @@ impl TileBuffers {
             .collect();
         let bindings = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("scene and tile"),
-            layout: &gpu.pipeline.get_bind_group_layout(0),
+            layout: &pipeline.get_bind_group_layout(0),
             entries: &entries,
         });
-        TileBuffers { settings, film, readback, bindings }
+        TileBuffers { pipeline: pipeline.clone(), settings, film, readback, bindings }
     }
 
     /// Renders all samples of a tile, a few per launch; `report` hears of the samples done.
@@ -176,10 +184,10 @@ impl TileBuffers {
             let mut encoder = self::encoder(gpu, "render tile");
             {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                    label: Some("path tracer"),
+                    label: Some("render tile"),
                     timestamp_writes: None,
                 });
-                pass.set_pipeline(&gpu.pipeline);
+                pass.set_pipeline(&self.pipeline);
                 pass.set_bind_group(0, &self.bindings, &[]);
                 pass.dispatch_workgroups(
                     tile.tile_width.div_ceil(WORKGROUP),
