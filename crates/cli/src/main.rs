@@ -1,6 +1,7 @@
 //! `sunshine`: pictures of GroIMP plant models from the command line.
 
 mod arguments;
+mod camera_arguments;
 mod devices_command;
 mod failure;
 mod info_command;

@@ -1,6 +1,6 @@
 //! What every device can do.
 
-use crate::{CompiledScene, Film};
+use crate::{CompiledScene, CropWindow, Film, Filter, Sampler};
 use kernels::records::kernel::LaunchSettings;
 use std::sync::Arc;
 
@@ -15,39 +15,62 @@ pub struct RenderSettings {
     pub samples: u32,
     /// Number of surfaces that a path may touch; 1 is direct light only (GroIMP's recursion depth).
     pub depth: u32,
-    /// A pixel is divided into `grid` x `grid` strata, at least 1.
+    /// The unit square of the filter is divided into `grid` x `grid` strata, at least 1; the Sobol sampler needs none
+    /// and takes no notice.
     pub grid: u32,
     /// Another seed gives an independent picture.
     pub seed: u32,
+    /// Where random numbers come from.
+    pub sampler: Sampler,
+    /// How light around a pixel is weighted.
+    pub filter: Filter,
+    /// The part of the picture to render; `None` for all of it. The pixels are those of the whole picture.
+    pub crop: Option<CropWindow>,
 }
 
 impl Default for RenderSettings {
     fn default() -> Self {
-        RenderSettings { width: 640, height: 480, samples: 64, depth: 5, grid: 3, seed: 0 }
+        RenderSettings {
+            width: 640,
+            height: 480,
+            samples: 64,
+            depth: 5,
+            grid: 3,
+            seed: 0,
+            sampler: Sampler::default(),
+            filter: Filter::default(),
+            crop: None,
+        }
     }
 }
 
 impl RenderSettings {
     /// Work to be done, in samples.
     pub fn total_samples(&self) -> u64 {
-        u64::from(self.width) * u64::from(self.height) * u64::from(self.samples)
+        let window = self.window();
+        u64::from(window.width) * u64::from(window.height) * u64::from(self.samples)
     }
 
-    /// The settings as the kernels take them, for the whole picture and all samples at once.
+    /// The settings as the kernels take them, for all that is rendered and all samples at once.
     pub(crate) fn launch(&self) -> LaunchSettings {
+        let window = self.window();
         LaunchSettings {
             width: self.width,
             height: self.height,
-            tile_x: 0,
-            tile_y: 0,
-            tile_width: self.width,
-            tile_height: self.height,
+            tile_x: window.x,
+            tile_y: window.y,
+            tile_width: window.width,
+            tile_height: window.height,
             first_sample: 0,
             samples: self.samples,
             seed: self.seed,
             grid: self.grid.max(1),
             depth: self.depth,
             reserved: 0,
+            sampler: self.sampler.code(),
+            sequence_bits: self.sequence_bits(),
+            reconstruction: self.filter.code(),
+            reserved1: 0,
         }
     }
 }

@@ -11,6 +11,7 @@ mod film;
 pub mod gpu;
 mod open;
 mod picture;
+mod sampling;
 
 pub use compile::{Acceleration, CompileError, CompiledScene, compile, compile_with};
 pub use device::{ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
@@ -18,3 +19,4 @@ pub use film::{Film, automatic_exposure};
 pub use gpu::{GpuInfo, list_gpus};
 pub use open::{DeviceChoice, automatic_gpu, open_device};
 pub use picture::{PictureError, PictureFormat, check_writable, write_picture, write_whole_file};
+pub use sampling::{CropWindow, Filter, Sampler};

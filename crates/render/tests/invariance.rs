@@ -4,11 +4,20 @@ mod common;
 
 use common::garden::garden;
 use common::*;
-use render::{DeviceChoice, Film, RenderSettings, open_device};
+use render::{DeviceChoice, Film, Filter, RenderSettings, Sampler, open_device};
 use scene::{DAffine3, DVec3, Image, LightKind, Phong, Scene, Shape};
 
-const SETTINGS: RenderSettings =
-    RenderSettings { width: 80, height: 60, samples: 8, depth: 4, grid: 3, seed: 5 };
+const SETTINGS: RenderSettings = RenderSettings {
+    width: 80,
+    height: 60,
+    samples: 8,
+    depth: 4,
+    grid: 3,
+    seed: 5,
+    sampler: Sampler::Sobol,
+    filter: Filter::Box,
+    crop: None,
+};
 
 fn bytes(film: &Film) -> &[u8] {
     bytemuck::cast_slice(&film.pixels)
