@@ -4,7 +4,7 @@ use crate::arguments::RenderArguments;
 use crate::failure::Failure;
 use crate::progress::Messages;
 use crate::statistics::{Seconds, Statistics, count_text, duration_text, timed};
-use render::{Film, PictureFormat};
+use render::{Film, PictureFormat, RenderSettings};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,6 +12,7 @@ use std::sync::Arc;
 pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     let messages = Messages { quiet: arguments.quiet };
     let settings = arguments.settings();
+    check_crop(&settings)?;
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene));
     // Before hours of work rather than after.
     let format = PictureFormat::from_path(&output)?;
@@ -22,9 +23,11 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     // A device that is not there is told before a large scene is read.
     let device =
         timed(&mut seconds.open, || render::open_device_for(arguments.device, threads, settings.renderer))?;
-    let project = timed(&mut seconds.read, || groimp::read_with(&arguments.scene, &arguments.read_options()))
-        .map_err(Failure::reading(&arguments.scene))?;
+    let mut project =
+        timed(&mut seconds.read, || groimp::read_with(&arguments.scene, &arguments.read_options()))
+            .map_err(Failure::reading(&arguments.scene))?;
     messages.report(&project.report);
+    arguments.camera.apply(&mut project.scene)?;
     let scene =
         Arc::new(timed(&mut seconds.compile, || render::compile_with(&project.scene, arguments.accel))?);
     let loaded = timed(&mut seconds.upload, || device.load(Arc::clone(&scene)))?;
@@ -105,6 +108,16 @@ fn summary(statistics: &Statistics, exposure: Exposure, output: &Path) -> String
         count_text(rate),
         output.display()
     )
+}
+
+fn check_crop(settings: &RenderSettings) -> Result<(), Failure> {
+    match settings.crop {
+        Some(crop) if !crop.lies_in(settings.width, settings.height) => Err(Failure::Usage(format!(
+            "--crop {},{},{},{} does not lie in the picture, which has {} x {} pixels",
+            crop.x, crop.y, crop.width, crop.height, settings.width, settings.height
+        ))),
+        _ => Ok(()),
+    }
 }
 
 fn check_outputs(picture: &Path, statistics: Option<&Path>) -> Result<(), Failure> {

@@ -50,20 +50,20 @@ const BAND_ROWS: usize = 4;
 
 impl LoadedScene for CpuScene {
     fn render(&self, settings: &RenderSettings, progress: &Progress<'_>) -> Result<Film, DeviceError> {
-        let mut film = Film::new(settings.width, settings.height);
         let launch = settings.launch();
+        let mut film = Film::new(launch.tile_width, launch.tile_height);
         let done = AtomicU64::new(0);
         let cancelled = AtomicBool::new(false);
         let slices = Slices { scene: &self.scene };
-        let width = settings.width as usize;
+        let width = launch.tile_width as usize;
         self.threads.install(|| {
             film.pixels.par_chunks_mut(BAND_ROWS * width).enumerate().for_each(|(band, pixels)| {
                 if cancelled.load(Ordering::Relaxed) {
                     return;
                 }
                 for (offset, pixel) in pixels.iter_mut().enumerate() {
-                    let x = (offset % width) as u32;
-                    let y = (band * BAND_ROWS + offset / width) as u32;
+                    let x = launch.tile_x + (offset % width) as u32;
+                    let y = launch.tile_y + (band * BAND_ROWS + offset / width) as u32;
                     *pixel = render_pixel(slices, launch, x, y, *pixel);
                 }
                 let samples = pixels.len() as u64 * u64::from(settings.samples);

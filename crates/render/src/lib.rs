@@ -12,6 +12,7 @@ pub mod gpu;
 mod open;
 mod picture;
 mod renderer;
+mod sampling;
 
 pub use compile::{Acceleration, CompileError, CompiledScene, compile, compile_with};
 pub use device::{ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
@@ -20,3 +21,4 @@ pub use gpu::{GpuInfo, list_gpus};
 pub use open::{DeviceChoice, automatic_gpu, open_device, open_device_for};
 pub use picture::{PictureError, PictureFormat, check_writable, write_picture, write_whole_file};
 pub use renderer::Renderer;
+pub use sampling::{CropWindow, Filter, Sampler};

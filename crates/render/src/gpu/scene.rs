@@ -72,20 +72,21 @@ impl GpuScene {
 
 impl LoadedScene for GpuScene {
     fn render(&self, settings: &RenderSettings, progress: &Progress<'_>) -> Result<Film, DeviceError> {
-        let mut film = Film::new(settings.width, settings.height);
+        let window = settings.window();
+        let mut film = Film::new(window.width, window.height);
         let edge = if self.gpu.is_software { SOFTWARE_TILE } else { TILE };
         let pipeline = self.gpu.pipeline(settings.renderer)?;
-        let (width, height) = (edge.min(settings.width), edge.min(settings.height));
+        let (width, height) = (edge.min(window.width), edge.min(window.height));
         let tile = TileBuffers::new(&self.gpu, pipeline, &self.tables, width, height);
         let mut pace = Pace { samples: 1 };
         let mut done = 0u64;
-        for tile_y in (0..settings.height).step_by(edge as usize) {
-            for tile_x in (0..settings.width).step_by(edge as usize) {
+        for tile_y in (0..window.height).step_by(edge as usize) {
+            for tile_x in (0..window.width).step_by(edge as usize) {
                 let launch = LaunchSettings {
-                    tile_x,
-                    tile_y,
-                    tile_width: edge.min(settings.width - tile_x),
-                    tile_height: edge.min(settings.height - tile_y),
+                    tile_x: window.x + tile_x,
+                    tile_y: window.y + tile_y,
+                    tile_width: edge.min(window.width - tile_x),
+                    tile_height: edge.min(window.height - tile_y),
                     ..settings.launch()
                 };
                 let pixels = tile.render(&self.gpu, launch, &mut pace, &mut |samples| {
@@ -93,7 +94,7 @@ impl LoadedScene for GpuScene {
                     progress(done)
                 })?;
                 for (row, line) in pixels.chunks(launch.tile_width as usize).enumerate() {
-                    let start = (tile_y as usize + row) * settings.width as usize + tile_x as usize;
+                    let start = (tile_y as usize + row) * window.width as usize + tile_x as usize;
                     film.pixels[start..start + line.len()].copy_from_slice(line);
                 }
             }
