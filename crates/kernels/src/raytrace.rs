@@ -70,6 +70,16 @@ pub mod kernel {
         pub passed: Vec3f,
     }
 
+    /// A point and from where it is seen.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct ViewedPoint {
+        pub point: SurfacePoint,
+        /// Unit normal for scattering, on the side of the viewer.
+        pub normal: Vec3f,
+        /// Unit vector towards the viewer.
+        pub wo: Vec3f,
+    }
+
     /// Rays that may wait at the same time; beyond that the weakest are given up. A tree of two rays per surface
     /// needs one place for each level.
     pub const MOST_PENDING: u32 = 12;
@@ -208,16 +218,12 @@ pub mod kernel {
         LightSample { direction, distance, weight, pdf: 0.0 }
     }
 
-    /// Place `i` of `count` well spread points in the unit square (Hammersley's), all moved by `shift`, round the
-    /// edges.
+    /// Place `i` of `count` well spread points in the unit square (a Fibonacci lattice), all moved by `shift`, round
+    /// the edges.
     pub fn spread_point(i: u32, count: u32, shift: Vec2f) -> Vec2f {
-        let mut bits = (i << 16u32) | (i >> 16u32);
-        bits = ((bits & 16711935u32) << 8u32) | ((bits >> 8u32) & 16711935u32);
-        bits = ((bits & 252645135u32) << 4u32) | ((bits >> 4u32) & 252645135u32);
-        bits = ((bits & 858993459u32) << 2u32) | ((bits >> 2u32) & 858993459u32);
-        bits = ((bits & 1431655765u32) << 1u32) | ((bits >> 1u32) & 1431655765u32);
         let u = f32(i) / f32(count) + shift.x;
-        let v = unit_float(bits) + shift.y;
+        // The golden ratio as a fraction of 2³².
+        let v = unit_float(i * 2654435769u32) + shift.y;
         vec2f(min(u - floor(u), 0.99999994), min(v - floor(v), 0.99999994))
     }
 
@@ -228,11 +234,12 @@ pub mod kernel {
         settings: LaunchSettings,
         key: SampleKey,
         step: u32,
-        point: SurfacePoint,
+        viewed: ViewedPoint,
         material: LocalMaterial,
-        normal: Vec3f,
-        wo: Vec3f,
     ) -> TracedLight {
+        let point = viewed.point;
+        let normal = viewed.normal;
+        let wo = viewed.wo;
         let mut result = TracedLight { radiance: vec3f(0.0, 0.0, 0.0), rays: 0 };
         let transmits_light = largest(material.diffuse_transmission) > 0.0;
         let lights = S::header(scene).all_lights;
@@ -374,7 +381,8 @@ pub mod kernel {
                 let goes_on = current.touched < settings.depth;
                 if goes_on {
                     seen += material.ambient * header.ambient * INVERSE_PI;
-                    let lit = lit_radiance::<S>(scene, settings, key, step, point, material, normal, wo);
+                    let viewed = ViewedPoint { point, normal, wo };
+                    let lit = lit_radiance::<S>(scene, settings, key, step, viewed, material);
                     seen += lit.radiance;
                     result.rays += lit.rays;
                     let direction = reflect(-wo, normal);

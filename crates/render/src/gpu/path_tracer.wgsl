@@ -2435,6 +2435,12 @@ struct LocalMaterial {
     mirrored: vec3f,
     passed: vec3f
 }
+
+struct ViewedPoint {
+    point: SurfacePoint,
+    normal: vec3f,
+    wo: vec3f
+}
 const MOST_PENDING: u32 = 12u;
 const LEAST_WEIGHT: f32 = 0.00390625;
 const MOST_RAYS: u32 = 512u;
@@ -2468,13 +2474,8 @@ fn attenuation(exponent: f32, reference: f32, distance: f32) -> f32 {
 }
 
 fn spread_point(i: u32, count: u32, shift: vec2f) -> vec2f {
-    var bits = ((i << 16u) | (i >> 16u));
-    bits = (((bits & 16711935u) << 8u) | ((bits >> 8u) & 16711935u));
-    bits = (((bits & 252645135u) << 4u) | ((bits >> 4u) & 252645135u));
-    bits = (((bits & 858993459u) << 2u) | ((bits >> 2u) & 858993459u));
-    bits = (((bits & 1431655765u) << 1u) | ((bits >> 1u) & 1431655765u));
     let u = ((f32(i) / f32(count)) + shift.x);
-    let v = (unit_float(bits) + shift.y);
+    let v = (unit_float((i * 2654435769u)) + shift.y);
     return vec2f(min((u - floor(u)), 0.99999994), min((v - floor(v)), 0.99999994));
 }
 

@@ -2340,6 +2340,12 @@ struct LocalMaterial {
     mirrored: vec3f,
     passed: vec3f
 }
+
+struct ViewedPoint {
+    point: SurfacePoint,
+    normal: vec3f,
+    wo: vec3f
+}
 const MOST_PENDING: u32 = 12u;
 const LEAST_WEIGHT: f32 = 0.00390625;
 const MOST_RAYS: u32 = 512u;
@@ -2373,13 +2379,8 @@ fn attenuation(exponent: f32, reference: f32, distance: f32) -> f32 {
 }
 
 fn spread_point(i: u32, count: u32, shift: vec2f) -> vec2f {
-    var bits = ((i << 16u) | (i >> 16u));
-    bits = (((bits & 16711935u) << 8u) | ((bits >> 8u) & 16711935u));
-    bits = (((bits & 252645135u) << 4u) | ((bits >> 4u) & 252645135u));
-    bits = (((bits & 858993459u) << 2u) | ((bits >> 2u) & 858993459u));
-    bits = (((bits & 1431655765u) << 1u) | ((bits >> 1u) & 1431655765u));
     let u = ((f32(i) / f32(count)) + shift.x);
-    let v = (unit_float(bits) + shift.y);
+    let v = (unit_float((i * 2654435769u)) + shift.y);
     return vec2f(min((u - floor(u)), 0.99999994), min((v - floor(v)), 0.99999994));
 }
 
@@ -2425,11 +2426,12 @@ fn lit_radiance_Buffers(
     settings: LaunchSettings,
     key: SampleKey,
     step: u32,
-    point: SurfacePoint,
+    viewed: ViewedPoint,
     material: LocalMaterial,
-    normal: vec3f,
-    wo: vec3f,
 ) -> TracedLight {
+    let point = viewed.point;
+    let normal = viewed.normal;
+    let wo = viewed.wo;
     var result = TracedLight(vec3f(0.0, 0.0, 0.0), 0u);
     let transmits_light = (largest(material.diffuse_transmission) > 0.0);
     let lights = Buffers_header(scene).all_lights;
@@ -2585,7 +2587,8 @@ fn trace_rays_Buffers(scene: Buffers, settings: LaunchSettings, key: SampleKey, 
             let goes_on = (current.touched < settings.depth);
             if goes_on {
                 seen += ((material.ambient * header.ambient) * INVERSE_PI);
-                let lit = lit_radiance_Buffers(scene, settings, key, step, point, material, normal, wo);
+                let viewed = ViewedPoint(point, normal, wo);
+                let lit = lit_radiance_Buffers(scene, settings, key, step, viewed, material);
                 seen += lit.radiance;
                 result.rays += lit.rays;
                 let direction = reflect(-wo, normal);
