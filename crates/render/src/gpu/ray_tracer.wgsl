@@ -2202,132 +2202,9 @@ fn sample_light_Buffers(
     return sample;
 }
 
-fn placement_error(group_from_world: Affine, world_from_group: Affine, point: SurfacePoint) -> f32 {
-    let error_group = transform_magnitude(group_from_world, point.position);
-    let error_world = transform_magnitude(world_from_group, transform_point(group_from_world, point.position));
-    let e = vec4f(error_group.x, error_group.y, error_group.z, 0.0);
-    let m = world_from_group;
-    let carried = vec3f(dot(abs(m.row0), e), dot(abs(m.row1), e), dot(abs(m.row2), e));
-    return (ROUNDING * dot(abs(point.normal), (error_world + carried)));
-}
-
-fn hit_surface_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> SurfacePoint {
-    var shape = Buffers_shape(scene, hit.object);
-    var surface = Buffers_surface(scene, hit.object);
-    if (hit.instance == NONE) {
-        let flat_point = surface_point(shape, surface, ray, hit.shape);
-        let normal = attribute_normal_Buffers(scene, shape, surface, flat_point);
-        return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
-    }
-    let group_from_world = Buffers_shape(scene, hit.instance).object_from_world;
-    let world_from_group = Buffers_surface(scene, hit.instance).world_from_object;
-    shape.object_from_world = compose(shape.object_from_world, group_from_world);
-    surface.world_from_object = compose(world_from_group, surface.world_from_object);
-    var flat_point = surface_point(shape, surface, ray, hit.shape);
-    flat_point.error = ((2.0 * flat_point.error) + placement_error(group_from_world, world_from_group, flat_point));
-    let normal = transform_transposed(group_from_world, attribute_normal_Buffers(scene, shape, surface, flat_point));
-    return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
-}
-
-fn hit_unit_point_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> vec3f {
-    var local = ray;
-    if (hit.instance != NONE) {
-        local = transform_ray(Buffers_shape(scene, hit.instance).object_from_world, ray);
-    }
-    return hit_point(Buffers_shape(scene, hit.object), local, hit.shape);
-}
-
-fn normal_map_covers(normal_map: ChannelRecord, uv: vec2f) -> bool {
-    let on_box_top = ((((uv.x >= 0.25) && (uv.x <= 0.5)) && (uv.y >= 0.33333333)) && (uv.y <= 0.66666667));
-    return ((normal_map.size == 0u) || on_box_top);
-}
-
-fn height_slopes_Buffers(
-    scene: Buffers,
-    normal_map: ChannelRecord,
-    at: TexturePoint,
-    local: Tangents,
-    world: Tangents,
-) -> vec2f {
-    var slopes = vec2f(0.0, 0.0);
-    for (var k = 0; k < 4; k++) {
-        let along_u = (k < 2);
-        let forward = select(-1.0, 1.0, ((k % 2) == 0));
-        var step = (forward * normal_map.value.z);
-        var shifted = at;
-        if along_u {
-            step = (forward * normal_map.value.y);
-            shifted.uv = vec2f((at.uv.x + step), at.uv.y);
-            shifted.local = (at.local + (local.du * step));
-            shifted.world = (at.world + (world.du * step));
-        } else {
-            shifted.uv = vec2f(at.uv.x, (at.uv.y + step));
-            shifted.local = (at.local + (local.dv * step));
-            shifted.world = (at.world + (world.dv * step));
-        }
-        let height = channel_value_Buffers(scene, normal_map.first, shifted, vec4f(0.0, 0.0, 0.0, 1.0));
-        let part = (height.x / (2.0 * step));
-        slopes += select(vec2f(0.0, part), vec2f(part, 0.0), vec2<bool>(along_u, along_u));
-    }
-    return slopes;
-}
-
-fn with_normal_maps_Buffers(
-    scene: Buffers,
-    hit: Hit,
-    material: MaterialRecord,
-    p: vec3f,
-    at: TexturePoint,
-    point: SurfacePoint,
-) -> SurfacePoint {
-    if (material.normal_map == NONE) {
-        return point;
-    }
-    let shape = Buffers_shape(scene, hit.object);
-    let surface = Buffers_surface(scene, hit.object);
-    let unit = unit_tangents_Buffers(scene, shape, surface, hit.shape.face, p);
-    let world = transform_tangents(world_from_unit_Buffers(scene, hit.instance, surface), unit);
-    var local = unit;
-    if ((material.flags & MATERIAL_USES_POSITION) != 0u) {
-        local = transform_tangents(local_from_unit_Buffers(scene, shape, surface), unit);
-    }
-    var normal = point.shading_normal;
-    var du = world.du;
-    var dv = world.dv;
-    var index = material.normal_map;
-    while (index != NONE) {
-        let normal_map = Buffers_channel(scene, index);
-        index = normal_map.mode;
-        if normal_map_covers(normal_map, at.uv) {
-            let slopes = (height_slopes_Buffers(scene, normal_map, at, local, world) * normal_map.value.x);
-            du += (normal * (slopes.x - dot(du, normal)));
-            dv += (normal * (slopes.y - dot(dv, normal)));
-            let bent = cross(du, dv);
-            let squared = dot(bent, bent);
-            if (squared > 0.0) {
-                let outward = select(-1.0, 1.0, (dot(bent, normal) >= 0.0));
-                normal = (bent * (outward / sqrt(squared)));
-            }
-        }
-    }
-    var result = point;
-    if (dot(normal, point.normal) > 0.0) {
-        result.shading_normal = normal;
-    }
-    return result;
-}
-
 struct TracedLight {
     radiance: vec3f,
     rays: u32
-}
-
-struct PendingRay {
-    origin: vec3f,
-    direction: vec3f,
-    weight: vec3f,
-    touched: u32,
-    media: Media
 }
 
 struct LocalMaterial {
@@ -2346,9 +2223,6 @@ struct ViewedPoint {
     normal: vec3f,
     wo: vec3f
 }
-const MOST_PENDING: u32 = 12u;
-const LEAST_WEIGHT: f32 = 0.00390625;
-const MOST_RAYS: u32 = 512u;
 const LOCAL_CHANNELS: u32 = 8u;
 const DIMENSION_SHADOW: u32 = 1073741824u;
 const LAMP_END: f32 = 0.9999;
@@ -2382,15 +2256,6 @@ fn spread_point(i: u32, count: u32, shift: vec2f) -> vec2f {
     let u = ((f32(i) / f32(count)) + shift.x);
     let v = (unit_float((i * 2654435769u)) + shift.y);
     return vec2f(min((u - floor(u)), 0.99999994), min((v - floor(v)), 0.99999994));
-}
-
-fn beyond_radiance_Buffers(scene: Buffers, background: vec3f, direction: vec3f) -> vec3f {
-    let lights = Buffers_header(scene).distant_lights;
-    var sum = background_radiance_Buffers(scene, background);
-    for (var i = 0u; i < lights; i++) {
-        sum += distant_radiance_Buffers(scene, Buffers_light(scene, i), direction);
-    }
-    return sum;
 }
 
 fn lamp_light_Buffers(scene: Buffers, light: LightRecord, point: vec3f) -> LightSample {
@@ -2535,6 +2400,141 @@ fn local_material_Buffers(
     }
     let specular = (max(vec3f(c_s.x, c_s.y, c_s.z), zero) * kept);
     return LocalMaterial((max(vec3f(c_e.x, c_e.y, c_e.z), zero) * met), (max(vec3f(c_a.x, c_a.y, c_a.z), zero) * met), (max(vec3f(c_d.x, c_d.y, c_d.z), zero) * kept), (max(vec3f(c_dt.x, c_dt.y, c_dt.z), zero) * met), specular, select(shininess_exponent(values[5].x), 4.0, (material.shininess == NONE)), (specular + fresnel), passed);
+}
+
+fn placement_error(group_from_world: Affine, world_from_group: Affine, point: SurfacePoint) -> f32 {
+    let error_group = transform_magnitude(group_from_world, point.position);
+    let error_world = transform_magnitude(world_from_group, transform_point(group_from_world, point.position));
+    let e = vec4f(error_group.x, error_group.y, error_group.z, 0.0);
+    let m = world_from_group;
+    let carried = vec3f(dot(abs(m.row0), e), dot(abs(m.row1), e), dot(abs(m.row2), e));
+    return (ROUNDING * dot(abs(point.normal), (error_world + carried)));
+}
+
+fn hit_surface_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> SurfacePoint {
+    var shape = Buffers_shape(scene, hit.object);
+    var surface = Buffers_surface(scene, hit.object);
+    if (hit.instance == NONE) {
+        let flat_point = surface_point(shape, surface, ray, hit.shape);
+        let normal = attribute_normal_Buffers(scene, shape, surface, flat_point);
+        return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
+    }
+    let group_from_world = Buffers_shape(scene, hit.instance).object_from_world;
+    let world_from_group = Buffers_surface(scene, hit.instance).world_from_object;
+    shape.object_from_world = compose(shape.object_from_world, group_from_world);
+    surface.world_from_object = compose(world_from_group, surface.world_from_object);
+    var flat_point = surface_point(shape, surface, ray, hit.shape);
+    flat_point.error = ((2.0 * flat_point.error) + placement_error(group_from_world, world_from_group, flat_point));
+    let normal = transform_transposed(group_from_world, attribute_normal_Buffers(scene, shape, surface, flat_point));
+    return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
+}
+
+fn hit_unit_point_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> vec3f {
+    var local = ray;
+    if (hit.instance != NONE) {
+        local = transform_ray(Buffers_shape(scene, hit.instance).object_from_world, ray);
+    }
+    return hit_point(Buffers_shape(scene, hit.object), local, hit.shape);
+}
+
+fn normal_map_covers(normal_map: ChannelRecord, uv: vec2f) -> bool {
+    let on_box_top = ((((uv.x >= 0.25) && (uv.x <= 0.5)) && (uv.y >= 0.33333333)) && (uv.y <= 0.66666667));
+    return ((normal_map.size == 0u) || on_box_top);
+}
+
+fn height_slopes_Buffers(
+    scene: Buffers,
+    normal_map: ChannelRecord,
+    at: TexturePoint,
+    local: Tangents,
+    world: Tangents,
+) -> vec2f {
+    var slopes = vec2f(0.0, 0.0);
+    for (var k = 0; k < 4; k++) {
+        let along_u = (k < 2);
+        let forward = select(-1.0, 1.0, ((k % 2) == 0));
+        var step = (forward * normal_map.value.z);
+        var shifted = at;
+        if along_u {
+            step = (forward * normal_map.value.y);
+            shifted.uv = vec2f((at.uv.x + step), at.uv.y);
+            shifted.local = (at.local + (local.du * step));
+            shifted.world = (at.world + (world.du * step));
+        } else {
+            shifted.uv = vec2f(at.uv.x, (at.uv.y + step));
+            shifted.local = (at.local + (local.dv * step));
+            shifted.world = (at.world + (world.dv * step));
+        }
+        let height = channel_value_Buffers(scene, normal_map.first, shifted, vec4f(0.0, 0.0, 0.0, 1.0));
+        let part = (height.x / (2.0 * step));
+        slopes += select(vec2f(0.0, part), vec2f(part, 0.0), vec2<bool>(along_u, along_u));
+    }
+    return slopes;
+}
+
+fn with_normal_maps_Buffers(
+    scene: Buffers,
+    hit: Hit,
+    material: MaterialRecord,
+    p: vec3f,
+    at: TexturePoint,
+    point: SurfacePoint,
+) -> SurfacePoint {
+    if (material.normal_map == NONE) {
+        return point;
+    }
+    let shape = Buffers_shape(scene, hit.object);
+    let surface = Buffers_surface(scene, hit.object);
+    let unit = unit_tangents_Buffers(scene, shape, surface, hit.shape.face, p);
+    let world = transform_tangents(world_from_unit_Buffers(scene, hit.instance, surface), unit);
+    var local = unit;
+    if ((material.flags & MATERIAL_USES_POSITION) != 0u) {
+        local = transform_tangents(local_from_unit_Buffers(scene, shape, surface), unit);
+    }
+    var normal = point.shading_normal;
+    var du = world.du;
+    var dv = world.dv;
+    var index = material.normal_map;
+    while (index != NONE) {
+        let normal_map = Buffers_channel(scene, index);
+        index = normal_map.mode;
+        if normal_map_covers(normal_map, at.uv) {
+            let slopes = (height_slopes_Buffers(scene, normal_map, at, local, world) * normal_map.value.x);
+            du += (normal * (slopes.x - dot(du, normal)));
+            dv += (normal * (slopes.y - dot(dv, normal)));
+            let bent = cross(du, dv);
+            let squared = dot(bent, bent);
+            if (squared > 0.0) {
+                let outward = select(-1.0, 1.0, (dot(bent, normal) >= 0.0));
+                normal = (bent * (outward / sqrt(squared)));
+            }
+        }
+    }
+    var result = point;
+    if (dot(normal, point.normal) > 0.0) {
+        result.shading_normal = normal;
+    }
+    return result;
+}
+
+struct PendingRay {
+    origin: vec3f,
+    direction: vec3f,
+    weight: vec3f,
+    touched: u32,
+    media: Media
+}
+const MOST_PENDING: u32 = 12u;
+const LEAST_WEIGHT: f32 = 0.00390625;
+const MOST_RAYS: u32 = 512u;
+
+fn beyond_radiance_Buffers(scene: Buffers, background: vec3f, direction: vec3f) -> vec3f {
+    let lights = Buffers_header(scene).distant_lights;
+    var sum = background_radiance_Buffers(scene, background);
+    for (var i = 0u; i < lights; i++) {
+        sum += distant_radiance_Buffers(scene, Buffers_light(scene, i), direction);
+    }
+    return sum;
 }
 
 fn trace_rays_Buffers(scene: Buffers, settings: LaunchSettings, key: SampleKey, first: Ray) -> TracedLight {
