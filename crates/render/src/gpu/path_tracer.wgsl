@@ -2423,6 +2423,62 @@ fn sample_light_Buffers(
     return sample;
 }
 
+struct TracedLight {
+    radiance: vec3f,
+    rays: u32
+}
+
+struct LocalMaterial {
+    emissive: vec3f,
+    ambient: vec3f,
+    diffuse: vec3f,
+    diffuse_transmission: vec3f,
+    specular: vec3f,
+    exponent: f32,
+    mirrored: vec3f,
+    passed: vec3f
+}
+
+struct ViewedPoint {
+    point: SurfacePoint,
+    normal: vec3f,
+    wo: vec3f
+}
+const LOCAL_CHANNELS: u32 = 8u;
+const DIMENSION_SHADOW: u32 = 1073741824u;
+const LAMP_END: f32 = 0.9999;
+
+fn lambert(material: LocalMaterial, normal: vec3f, direction: vec3f) -> vec3f {
+    let cosine = dot(normal, direction);
+    if (cosine >= 0.0) {
+        return (material.diffuse * cosine);
+    }
+    return (material.diffuse_transmission * (-cosine));
+}
+
+fn local_illumination(material: LocalMaterial, normal: vec3f, wo: vec3f, direction: vec3f) -> vec3f {
+    let value = lambert(material, normal, direction);
+    if ((dot(normal, direction) <= 0.0) || (material.exponent >= MIRROR_EXPONENT)) {
+        return value;
+    }
+    let across = (wo + direction);
+    let along = (dot(normal, across) / sqrt(max(dot(across, across), 1.0e-20)));
+    return (value + (material.specular * pow(clamp(along, 1.0e-6, 1.0), material.exponent)));
+}
+
+fn attenuation(exponent: f32, reference: f32, distance: f32) -> f32 {
+    if ((exponent <= 0.0) || (reference <= 0.0)) {
+        return 1.0;
+    }
+    return (2.0 / (1.0 + pow((distance / reference), exponent)));
+}
+
+fn spread_point(i: u32, count: u32, shift: vec2f) -> vec2f {
+    let u = ((f32(i) / f32(count)) + shift.x);
+    let v = (unit_float((i * 2654435769u)) + shift.y);
+    return vec2f(min((u - floor(u)), 0.99999994), min((v - floor(v)), 0.99999994));
+}
+
 fn placement_error(group_from_world: Affine, world_from_group: Affine, point: SurfacePoint) -> f32 {
     let error_group = transform_magnitude(group_from_world, point.position);
     let error_world = transform_magnitude(world_from_group, transform_point(group_from_world, point.position));
@@ -2538,11 +2594,6 @@ fn with_normal_maps_Buffers(
     return result;
 }
 
-struct TracedLight {
-    radiance: vec3f,
-    rays: u32
-}
-
 struct PendingRay {
     origin: vec3f,
     direction: vec3f,
@@ -2550,59 +2601,9 @@ struct PendingRay {
     touched: u32,
     media: Media
 }
-
-struct LocalMaterial {
-    emissive: vec3f,
-    ambient: vec3f,
-    diffuse: vec3f,
-    diffuse_transmission: vec3f,
-    specular: vec3f,
-    exponent: f32,
-    mirrored: vec3f,
-    passed: vec3f
-}
 const MOST_PENDING: u32 = 12u;
 const LEAST_WEIGHT: f32 = 0.00390625;
 const MOST_RAYS: u32 = 512u;
-const LOCAL_CHANNELS: u32 = 8u;
-const DIMENSION_SHADOW: u32 = 1073741824u;
-const LAMP_END: f32 = 0.9999;
-
-fn lambert(material: LocalMaterial, normal: vec3f, direction: vec3f) -> vec3f {
-    let cosine = dot(normal, direction);
-    if (cosine >= 0.0) {
-        return (material.diffuse * cosine);
-    }
-    return (material.diffuse_transmission * (-cosine));
-}
-
-fn local_illumination(material: LocalMaterial, normal: vec3f, wo: vec3f, direction: vec3f) -> vec3f {
-    let value = lambert(material, normal, direction);
-    if ((dot(normal, direction) <= 0.0) || (material.exponent >= MIRROR_EXPONENT)) {
-        return value;
-    }
-    let across = (wo + direction);
-    let along = (dot(normal, across) / sqrt(max(dot(across, across), 1.0e-20)));
-    return (value + (material.specular * pow(clamp(along, 1.0e-6, 1.0), material.exponent)));
-}
-
-fn attenuation(exponent: f32, reference: f32, distance: f32) -> f32 {
-    if ((exponent <= 0.0) || (reference <= 0.0)) {
-        return 1.0;
-    }
-    return (2.0 / (1.0 + pow((distance / reference), exponent)));
-}
-
-fn spread_point(i: u32, count: u32, shift: vec2f) -> vec2f {
-    var bits = ((i << 16u) | (i >> 16u));
-    bits = (((bits & 16711935u) << 8u) | ((bits >> 8u) & 16711935u));
-    bits = (((bits & 252645135u) << 4u) | ((bits >> 4u) & 252645135u));
-    bits = (((bits & 858993459u) << 2u) | ((bits >> 2u) & 858993459u));
-    bits = (((bits & 1431655765u) << 1u) | ((bits >> 1u) & 1431655765u));
-    let u = ((f32(i) / f32(count)) + shift.x);
-    let v = (unit_float(bits) + shift.y);
-    return vec2f(min((u - floor(u)), 0.99999994), min((v - floor(v)), 0.99999994));
-}
 
 struct LightChoice {
     index: u32,

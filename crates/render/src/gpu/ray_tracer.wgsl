@@ -2328,6 +2328,206 @@ fn sample_light_Buffers(
     return sample;
 }
 
+struct TracedLight {
+    radiance: vec3f,
+    rays: u32
+}
+
+struct LocalMaterial {
+    emissive: vec3f,
+    ambient: vec3f,
+    diffuse: vec3f,
+    diffuse_transmission: vec3f,
+    specular: vec3f,
+    exponent: f32,
+    mirrored: vec3f,
+    passed: vec3f
+}
+
+struct ViewedPoint {
+    point: SurfacePoint,
+    normal: vec3f,
+    wo: vec3f
+}
+const LOCAL_CHANNELS: u32 = 8u;
+const DIMENSION_SHADOW: u32 = 1073741824u;
+const LAMP_END: f32 = 0.9999;
+
+fn lambert(material: LocalMaterial, normal: vec3f, direction: vec3f) -> vec3f {
+    let cosine = dot(normal, direction);
+    if (cosine >= 0.0) {
+        return (material.diffuse * cosine);
+    }
+    return (material.diffuse_transmission * (-cosine));
+}
+
+fn local_illumination(material: LocalMaterial, normal: vec3f, wo: vec3f, direction: vec3f) -> vec3f {
+    let value = lambert(material, normal, direction);
+    if ((dot(normal, direction) <= 0.0) || (material.exponent >= MIRROR_EXPONENT)) {
+        return value;
+    }
+    let across = (wo + direction);
+    let along = (dot(normal, across) / sqrt(max(dot(across, across), 1.0e-20)));
+    return (value + (material.specular * pow(clamp(along, 1.0e-6, 1.0), material.exponent)));
+}
+
+fn attenuation(exponent: f32, reference: f32, distance: f32) -> f32 {
+    if ((exponent <= 0.0) || (reference <= 0.0)) {
+        return 1.0;
+    }
+    return (2.0 / (1.0 + pow((distance / reference), exponent)));
+}
+
+fn spread_point(i: u32, count: u32, shift: vec2f) -> vec2f {
+    let u = ((f32(i) / f32(count)) + shift.x);
+    let v = (unit_float((i * 2654435769u)) + shift.y);
+    return vec2f(min((u - floor(u)), 0.99999994), min((v - floor(v)), 0.99999994));
+}
+
+fn lamp_light_Buffers(scene: Buffers, light: LightRecord, point: vec3f) -> LightSample {
+    if ((light.kind == LIGHT_DIRECTIONAL) || (light.kind == LIGHT_SUN)) {
+        let solid_angle = select(1.0, (TWO_PI * light.cos_inner), (light.kind == LIGHT_SUN));
+        return LightSample(-light.axis, NO_HIT, (light.emission * (solid_angle * INVERSE_PI)), 0.0);
+    }
+    let is_area = (light.kind == LIGHT_AREA);
+    let to_lamp = ((light.position + (light.edge_v * select(0.0, 0.5, is_area))) - point);
+    let distance = sqrt(dot(to_lamp, to_lamp));
+    if (distance < 1.0e-10) {
+        return no_light();
+    }
+    let direction = (to_lamp * (1.0 / distance));
+    let cos_light = -dot(direction, light.axis);
+    var intensity = light.emission;
+    var fading = vec2f(light.edge_u.x, light.edge_u.y);
+    if is_area {
+        intensity = (area_radiance(light, cos_light) * (max(cos_light, 0.0) * light.cos_outer));
+        fading = vec2f(0.0, 0.0);
+    } else if (light.kind == LIGHT_SPOT) {
+        intensity *= spot_profile(cos_light, light.cos_inner, light.cos_outer);
+    } else if (light.kind == LIGHT_PHYSICAL) {
+        intensity *= distribution_density_Buffers(scene, light, -direction);
+        fading = vec2f(light.cos_inner, light.cos_outer);
+    }
+    let weight = (intensity * (attenuation(fading.x, fading.y, distance) * INVERSE_PI));
+    return LightSample(direction, distance, weight, 0.0);
+}
+
+fn lit_radiance_Buffers(
+    scene: Buffers,
+    settings: LaunchSettings,
+    key: SampleKey,
+    step: u32,
+    viewed: ViewedPoint,
+    material: LocalMaterial,
+) -> TracedLight {
+    let point = viewed.point;
+    let normal = viewed.normal;
+    let wo = viewed.wo;
+    var result = TracedLight(vec3f(0.0, 0.0, 0.0), 0u);
+    let transmits_light = (largest(material.diffuse_transmission) > 0.0);
+    let lights = Buffers_header(scene).all_lights;
+    for (var index = 0u; index < lights; index++) {
+        let light = Buffers_light(scene, index);
+        if ((light.kind != LIGHT_GROUP) && (light.importance > 0.0)) {
+            let sky = is_sky(light.kind);
+            let has_shadow = (light.shadowless == 0u);
+            let soft = (sky || (has_shadow && (light.kind == LIGHT_AREA)));
+            var lamp = no_light();
+            var scattered = vec3f(0.0, 0.0, 0.0);
+            var rays: u32 = 1u;
+            if soft {
+                rays = settings.shadow_samples;
+            }
+            if !sky {
+                lamp = lamp_light_Buffers(scene, light, point.position);
+                scattered = (local_illumination(material, normal, wo, lamp.direction) * lamp.weight);
+                if is_dark(scattered) {
+                    rays = 0u;
+                }
+            }
+            var shift = vec4f(0.0, 0.0, 0.0, 0.0);
+            if (soft && (rays > 0u)) {
+                shift = random4(key, ((DIMENSION_SHADOW + (step << 16u)) + index));
+            }
+            var arrived = vec3f(0.0, 0.0, 0.0);
+            for (var i = 0u; i < rays; i++) {
+                var direction = lamp.direction;
+                var distance = lamp.distance;
+                var share = scattered;
+                if soft {
+                    let u = spread_point(i, rays, vec2f(shift.x, shift.y));
+                    let sample = sample_light_Buffers(scene, light, point.position, normal, transmits_light, u);
+                    direction = sample.direction;
+                    distance = sample.distance;
+                    if sky {
+                        share = ((lambert(material, normal, direction) * sample.weight) * INVERSE_PI);
+                    } else if ((dot(normal, direction) * dot(normal, lamp.direction)) <= 0.0) {
+                        share = vec3f(0.0, 0.0, 0.0);
+                    }
+                }
+                if (!is_dark(share) && same_side(point, normal, wo, direction)) {
+                    var open = vec3f(1.0, 1.0, 1.0);
+                    if has_shadow {
+                        let ray = Ray(offset_origin(point, direction), direction);
+                        let end = select(NO_HIT, (distance * LAMP_END), (distance < NO_HIT));
+                        open = shadow_transmittance_Buffers(scene, ray, end, true);
+                        result.rays += 1u;
+                    }
+                    arrived += (share * open);
+                }
+            }
+            if (rays > 0u) {
+                result.radiance += (arrived * (1.0 / f32(rays)));
+            }
+        }
+    }
+    return result;
+}
+
+fn local_material_Buffers(
+    scene: Buffers,
+    material: MaterialRecord,
+    at: TexturePoint,
+    eta: f32,
+    cosine: f32,
+) -> LocalMaterial {
+    let none = vec4f(0.0, 0.0, 0.0, 0.0);
+    var values: array<vec4f, 8> = array(none, none, none, none, none, none, none, none);
+    for (var i = 0u; i < LOCAL_CHANNELS; i++) {
+        var channel = material.ambient;
+        if (i < MATERIAL_CHANNELS) {
+            channel = material_channel(material, i);
+        }
+        values[u32(i)] = channel_value_Buffers(scene, channel, at, missing_channel(i));
+    }
+    let c_d = values[0];
+    let c_s = values[2];
+    let c_dt = values[3];
+    let c_e = values[4];
+    let c_a = values[7];
+    let zero = vec3f(0.0, 0.0, 0.0);
+    let one = vec3f(1.0, 1.0, 1.0);
+    let tau = clamp(clear_transmission(material, values[1], c_d.w), zero, one);
+    var met: f32 = 1.0;
+    var passed = tau;
+    var fresnel = zero;
+    if (material.refractive_index > 0.0) {
+        let reflected = fresnel_reflectance(eta, cosine);
+        passed = (tau * (1.0 - reflected));
+        if (((material.flags & MATERIAL_MIRRORS) != 0u) || (material.specular != NONE)) {
+            fresnel = (tau * reflected);
+        }
+    } else {
+        met = (1.0 - smallest(undisturbed_part(material, tau, c_d.w)));
+    }
+    var kept = vec3f(met, met, met);
+    if ((material.flags & MATERIAL_INTERPOLATED) != 0u) {
+        kept = (one - tau);
+    }
+    let specular = (max(vec3f(c_s.x, c_s.y, c_s.z), zero) * kept);
+    return LocalMaterial((max(vec3f(c_e.x, c_e.y, c_e.z), zero) * met), (max(vec3f(c_a.x, c_a.y, c_a.z), zero) * met), (max(vec3f(c_d.x, c_d.y, c_d.z), zero) * kept), (max(vec3f(c_dt.x, c_dt.y, c_dt.z), zero) * met), specular, select(shininess_exponent(values[5].x), 4.0, (material.shininess == NONE)), (specular + fresnel), passed);
+}
+
 fn placement_error(group_from_world: Affine, world_from_group: Affine, point: SurfacePoint) -> f32 {
     let error_group = transform_magnitude(group_from_world, point.position);
     let error_world = transform_magnitude(world_from_group, transform_point(group_from_world, point.position));
@@ -2443,11 +2643,6 @@ fn with_normal_maps_Buffers(
     return result;
 }
 
-struct TracedLight {
-    radiance: vec3f,
-    rays: u32
-}
-
 struct PendingRay {
     origin: vec3f,
     direction: vec3f,
@@ -2455,59 +2650,9 @@ struct PendingRay {
     touched: u32,
     media: Media
 }
-
-struct LocalMaterial {
-    emissive: vec3f,
-    ambient: vec3f,
-    diffuse: vec3f,
-    diffuse_transmission: vec3f,
-    specular: vec3f,
-    exponent: f32,
-    mirrored: vec3f,
-    passed: vec3f
-}
 const MOST_PENDING: u32 = 12u;
 const LEAST_WEIGHT: f32 = 0.00390625;
 const MOST_RAYS: u32 = 512u;
-const LOCAL_CHANNELS: u32 = 8u;
-const DIMENSION_SHADOW: u32 = 1073741824u;
-const LAMP_END: f32 = 0.9999;
-
-fn lambert(material: LocalMaterial, normal: vec3f, direction: vec3f) -> vec3f {
-    let cosine = dot(normal, direction);
-    if (cosine >= 0.0) {
-        return (material.diffuse * cosine);
-    }
-    return (material.diffuse_transmission * (-cosine));
-}
-
-fn local_illumination(material: LocalMaterial, normal: vec3f, wo: vec3f, direction: vec3f) -> vec3f {
-    let value = lambert(material, normal, direction);
-    if ((dot(normal, direction) <= 0.0) || (material.exponent >= MIRROR_EXPONENT)) {
-        return value;
-    }
-    let across = (wo + direction);
-    let along = (dot(normal, across) / sqrt(max(dot(across, across), 1.0e-20)));
-    return (value + (material.specular * pow(clamp(along, 1.0e-6, 1.0), material.exponent)));
-}
-
-fn attenuation(exponent: f32, reference: f32, distance: f32) -> f32 {
-    if ((exponent <= 0.0) || (reference <= 0.0)) {
-        return 1.0;
-    }
-    return (2.0 / (1.0 + pow((distance / reference), exponent)));
-}
-
-fn spread_point(i: u32, count: u32, shift: vec2f) -> vec2f {
-    var bits = ((i << 16u) | (i >> 16u));
-    bits = (((bits & 16711935u) << 8u) | ((bits >> 8u) & 16711935u));
-    bits = (((bits & 252645135u) << 4u) | ((bits >> 4u) & 252645135u));
-    bits = (((bits & 858993459u) << 2u) | ((bits >> 2u) & 858993459u));
-    bits = (((bits & 1431655765u) << 1u) | ((bits >> 1u) & 1431655765u));
-    let u = ((f32(i) / f32(count)) + shift.x);
-    let v = (unit_float(bits) + shift.y);
-    return vec2f(min((u - floor(u)), 0.99999994), min((v - floor(v)), 0.99999994));
-}
 
 fn beyond_radiance_Buffers(scene: Buffers, background: vec3f, direction: vec3f) -> vec3f {
     let lights = Buffers_header(scene).distant_lights;
@@ -2516,149 +2661,6 @@ fn beyond_radiance_Buffers(scene: Buffers, background: vec3f, direction: vec3f) 
         sum += distant_radiance_Buffers(scene, Buffers_light(scene, i), direction);
     }
     return sum;
-}
-
-fn lamp_light_Buffers(scene: Buffers, light: LightRecord, point: vec3f) -> LightSample {
-    if ((light.kind == LIGHT_DIRECTIONAL) || (light.kind == LIGHT_SUN)) {
-        let solid_angle = select(1.0, (TWO_PI * light.cos_inner), (light.kind == LIGHT_SUN));
-        return LightSample(-light.axis, NO_HIT, (light.emission * (solid_angle * INVERSE_PI)), 0.0);
-    }
-    let is_area = (light.kind == LIGHT_AREA);
-    let to_lamp = ((light.position + (light.edge_v * select(0.0, 0.5, is_area))) - point);
-    let distance = sqrt(dot(to_lamp, to_lamp));
-    if (distance < 1.0e-10) {
-        return no_light();
-    }
-    let direction = (to_lamp * (1.0 / distance));
-    let cos_light = -dot(direction, light.axis);
-    var intensity = light.emission;
-    var fading = vec2f(light.edge_u.x, light.edge_u.y);
-    if is_area {
-        intensity = (area_radiance(light, cos_light) * (max(cos_light, 0.0) * light.cos_outer));
-        fading = vec2f(0.0, 0.0);
-    } else if (light.kind == LIGHT_SPOT) {
-        intensity *= spot_profile(cos_light, light.cos_inner, light.cos_outer);
-    } else if (light.kind == LIGHT_PHYSICAL) {
-        intensity *= distribution_density_Buffers(scene, light, -direction);
-        fading = vec2f(light.cos_inner, light.cos_outer);
-    }
-    let weight = (intensity * (attenuation(fading.x, fading.y, distance) * INVERSE_PI));
-    return LightSample(direction, distance, weight, 0.0);
-}
-
-fn lit_radiance_Buffers(
-    scene: Buffers,
-    settings: LaunchSettings,
-    key: SampleKey,
-    step: u32,
-    point: SurfacePoint,
-    material: LocalMaterial,
-    normal: vec3f,
-    wo: vec3f,
-) -> TracedLight {
-    var result = TracedLight(vec3f(0.0, 0.0, 0.0), 0u);
-    let transmits_light = (largest(material.diffuse_transmission) > 0.0);
-    let lights = Buffers_header(scene).all_lights;
-    for (var index = 0u; index < lights; index++) {
-        let light = Buffers_light(scene, index);
-        if ((light.kind != LIGHT_GROUP) && (light.importance > 0.0)) {
-            let sky = is_sky(light.kind);
-            let has_shadow = (light.shadowless == 0u);
-            let soft = (sky || (has_shadow && (light.kind == LIGHT_AREA)));
-            var lamp = no_light();
-            var scattered = vec3f(0.0, 0.0, 0.0);
-            var rays: u32 = 1u;
-            if soft {
-                rays = settings.shadow_samples;
-            }
-            if !sky {
-                lamp = lamp_light_Buffers(scene, light, point.position);
-                scattered = (local_illumination(material, normal, wo, lamp.direction) * lamp.weight);
-                if is_dark(scattered) {
-                    rays = 0u;
-                }
-            }
-            var shift = vec4f(0.0, 0.0, 0.0, 0.0);
-            if (soft && (rays > 0u)) {
-                shift = random4(key, ((DIMENSION_SHADOW + (step << 16u)) + index));
-            }
-            var arrived = vec3f(0.0, 0.0, 0.0);
-            for (var i = 0u; i < rays; i++) {
-                var direction = lamp.direction;
-                var distance = lamp.distance;
-                var share = scattered;
-                if soft {
-                    let u = spread_point(i, rays, vec2f(shift.x, shift.y));
-                    let sample = sample_light_Buffers(scene, light, point.position, normal, transmits_light, u);
-                    direction = sample.direction;
-                    distance = sample.distance;
-                    if sky {
-                        share = ((lambert(material, normal, direction) * sample.weight) * INVERSE_PI);
-                    } else if ((dot(normal, direction) * dot(normal, lamp.direction)) <= 0.0) {
-                        share = vec3f(0.0, 0.0, 0.0);
-                    }
-                }
-                if (!is_dark(share) && same_side(point, normal, wo, direction)) {
-                    var open = vec3f(1.0, 1.0, 1.0);
-                    if has_shadow {
-                        let ray = Ray(offset_origin(point, direction), direction);
-                        let end = select(NO_HIT, (distance * LAMP_END), (distance < NO_HIT));
-                        open = shadow_transmittance_Buffers(scene, ray, end, true);
-                        result.rays += 1u;
-                    }
-                    arrived += (share * open);
-                }
-            }
-            if (rays > 0u) {
-                result.radiance += (arrived * (1.0 / f32(rays)));
-            }
-        }
-    }
-    return result;
-}
-
-fn local_material_Buffers(
-    scene: Buffers,
-    material: MaterialRecord,
-    at: TexturePoint,
-    eta: f32,
-    cosine: f32,
-) -> LocalMaterial {
-    let none = vec4f(0.0, 0.0, 0.0, 0.0);
-    var values: array<vec4f, 8> = array(none, none, none, none, none, none, none, none);
-    for (var i = 0u; i < LOCAL_CHANNELS; i++) {
-        var channel = material.ambient;
-        if (i < MATERIAL_CHANNELS) {
-            channel = material_channel(material, i);
-        }
-        values[u32(i)] = channel_value_Buffers(scene, channel, at, missing_channel(i));
-    }
-    let c_d = values[0];
-    let c_s = values[2];
-    let c_dt = values[3];
-    let c_e = values[4];
-    let c_a = values[7];
-    let zero = vec3f(0.0, 0.0, 0.0);
-    let one = vec3f(1.0, 1.0, 1.0);
-    let tau = clamp(clear_transmission(material, values[1], c_d.w), zero, one);
-    var met: f32 = 1.0;
-    var passed = tau;
-    var fresnel = zero;
-    if (material.refractive_index > 0.0) {
-        let reflected = fresnel_reflectance(eta, cosine);
-        passed = (tau * (1.0 - reflected));
-        if (((material.flags & MATERIAL_MIRRORS) != 0u) || (material.specular != NONE)) {
-            fresnel = (tau * reflected);
-        }
-    } else {
-        met = (1.0 - smallest(undisturbed_part(material, tau, c_d.w)));
-    }
-    var kept = vec3f(met, met, met);
-    if ((material.flags & MATERIAL_INTERPOLATED) != 0u) {
-        kept = (one - tau);
-    }
-    let specular = (max(vec3f(c_s.x, c_s.y, c_s.z), zero) * kept);
-    return LocalMaterial((max(vec3f(c_e.x, c_e.y, c_e.z), zero) * met), (max(vec3f(c_a.x, c_a.y, c_a.z), zero) * met), (max(vec3f(c_d.x, c_d.y, c_d.z), zero) * kept), (max(vec3f(c_dt.x, c_dt.y, c_dt.z), zero) * met), specular, select(shininess_exponent(values[5].x), 4.0, (material.shininess == NONE)), (specular + fresnel), passed);
 }
 
 fn trace_rays_Buffers(scene: Buffers, settings: LaunchSettings, key: SampleKey, first: Ray) -> TracedLight {
@@ -2711,7 +2713,8 @@ fn trace_rays_Buffers(scene: Buffers, settings: LaunchSettings, key: SampleKey, 
             let goes_on = (current.touched < settings.depth);
             if goes_on {
                 seen += ((material.ambient * header.ambient) * INVERSE_PI);
-                let lit = lit_radiance_Buffers(scene, settings, key, step, point, material, normal, wo);
+                let viewed = ViewedPoint(point, normal, wo);
+                let lit = lit_radiance_Buffers(scene, settings, key, step, viewed, material);
                 seen += lit.radiance;
                 result.rays += lit.rays;
                 let direction = reflect(-wo, normal);
