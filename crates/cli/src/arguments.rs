@@ -24,7 +24,7 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Make a picture of a scene
-    Render(RenderArguments),
+    Render(Box<RenderArguments>),
     /// Show what a scene holds, and what of it cannot be drawn
     Info(InfoArguments),
     /// List the processors and graphics cards that can render
