@@ -15,6 +15,7 @@ pub mod camera;
 pub mod channel;
 pub mod coordinates;
 pub mod hit;
+pub mod layers;
 pub mod light;
 pub mod light_tree;
 pub mod medium;

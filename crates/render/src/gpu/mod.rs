@@ -4,18 +4,24 @@ mod adapters;
 mod assemble;
 mod scene;
 mod shader;
+mod tile;
 
 pub use adapters::{GpuInfo, list_gpus};
 
 use crate::{CompiledScene, Device, DeviceError, LoadedScene};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A graphics card.
 pub struct Gpu {
     name: String,
     device: wgpu::Device,
     queue: wgpu::Queue,
+    module: wgpu::ShaderModule,
+    /// What the kernels are bound to, the same for all pipelines: header, settings, tables, film.
+    layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
+    /// Compiled when it is first needed: most pictures have no layers.
+    layers_pipeline: OnceLock<wgpu::ComputePipeline>,
     /// What went wrong since the last look; filled by the driver at any time.
     errors: Arc<ErrorLog>,
     /// A rasteriser in software is slow and must be given small pieces of work.
@@ -84,17 +90,11 @@ impl Gpu {
 
         let source = shader::source().map_err(|reason| failed("preparing the kernels", reason))?;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("path tracer"),
+            label: Some("kernels"),
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("path tracer"),
-            layout: None,
-            module: &module,
-            entry_point: Some("render_tile"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
+        let layout = bind_group_layout(&device);
+        let pipeline = compute_pipeline(&device, &layout, &module, "path tracer", "render_tile");
         if let Some(reason) = errors.take() {
             return Err(failed("compiling the kernels", reason));
         }
@@ -102,10 +102,22 @@ impl Gpu {
             name: format!("{} ({})", info.name, info.backend),
             device,
             queue,
+            module,
+            layout,
             pipeline,
+            layers_pipeline: OnceLock::new(),
             errors,
             is_software: info.is_software,
         })
+    }
+
+    /// The pipeline of the layers.
+    fn layers_pipeline(&self) -> Result<&wgpu::ComputePipeline, DeviceError> {
+        let pipeline = self.layers_pipeline.get_or_init(|| {
+            compute_pipeline(&self.device, &self.layout, &self.module, "layers", "render_layers")
+        });
+        self.check("compiling the kernels of the layers")?;
+        Ok(pipeline)
     }
 
     fn check(&self, doing: &'static str) -> Result<(), DeviceError> {
@@ -118,6 +130,61 @@ impl Gpu {
     fn failed(&self, doing: &'static str, reason: String) -> DeviceError {
         DeviceError::Gpu { device: self.name.clone(), doing, reason }
     }
+}
+
+/// The kernels as graphics cards run them: name of the file and text in WGSL.
+///
+/// # Errors
+/// If they cannot be written in WGSL; the tests exclude it.
+pub fn kernel_sources() -> Result<Vec<(&'static str, String)>, String> {
+    Ok(vec![("path_tracer.wgsl", shader::source()?)])
+}
+
+/// Bindings 0 and 1 are uniforms, then seven tables that are read, then the film that is written. Explicit, because
+/// a layout that is derived from an entry point leaves out what that one does not use.
+fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    const BINDINGS: u32 = 10;
+    let entries: Vec<_> = (0..BINDINGS)
+        .map(|binding| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: match binding {
+                    0 | 1 => wgpu::BufferBindingType::Uniform,
+                    _ => wgpu::BufferBindingType::Storage { read_only: binding + 1 < BINDINGS },
+                },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        })
+        .collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("scene and tile"),
+        entries: &entries,
+    })
+}
+
+fn compute_pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    module: &wgpu::ShaderModule,
+    label: &'static str,
+    entry_point: &'static str,
+) -> wgpu::ComputePipeline {
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("kernels"),
+        bind_group_layouts: &[Some(layout)],
+        ..Default::default()
+    });
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(label),
+        layout: Some(&layout),
+        module,
+        entry_point: Some(entry_point),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    })
 }
 
 impl Device for Arc<Gpu> {

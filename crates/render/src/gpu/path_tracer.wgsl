@@ -101,7 +101,7 @@ struct ChannelRecord {
     operation: u32,
     first: u32,
     size: u32,
-    bilinear: u32
+    mode: u32
 }
 const LIGHT_POINT: u32 = 0u;
 const LIGHT_SPOT: u32 = 1u;
@@ -157,7 +157,7 @@ struct LaunchSettings {
     seed: u32,
     grid: u32,
     depth: u32,
-    reserved: u32
+    counted: u32
 }
 
 struct FilmPixel {
@@ -165,6 +165,26 @@ struct FilmPixel {
     rays: u32,
     squares: vec3f,
     samples: u32
+}
+
+struct LayerPixel {
+    albedo: vec3f,
+    samples: u32,
+    normal: vec3f,
+    hits: u32,
+    position: vec3f,
+    depth: f32,
+    object: u32,
+    instance: u32,
+    material: u32,
+    reserved: u32
+}
+
+fn launched_samples(settings: LaunchSettings, pixel_samples: u32) -> u32 {
+    if (settings.counted == 0u) {
+        return settings.samples;
+    }
+    return min(settings.samples, (max(pixel_samples, settings.first_sample) - settings.first_sample));
 }
 
 fn transform_point(matrix: Affine, point: vec3f) -> vec3f {
@@ -1047,6 +1067,29 @@ fn wave_form(form: u32, v: f32) -> f32 {
     return sqrt(max(v, 0.0));
 }
 
+fn srgb_encode(linear: f32) -> f32 {
+    if (linear >= 1.0) {
+        return 1.0;
+    }
+    let x = max(linear, 0.0);
+    if (x <= 0.0031308) {
+        return (12.92 * x);
+    }
+    return ((1.055 * pow(x, (1.0 / 2.4))) - 0.055);
+}
+
+fn srgb_decode(encoded: f32) -> f32 {
+    if (encoded <= 0.04045) {
+        return (encoded / 12.92);
+    }
+    return pow(((encoded + 0.055) / 1.055), 2.4);
+}
+
+fn tone_map(radiance: vec3f, exposure: f32) -> vec3f {
+    let exposed = (radiance * exp2(exposure));
+    return vec3f(srgb_encode(exposed.x), srgb_encode(exposed.y), srgb_encode(exposed.z));
+}
+
 fn unpack_texel(texel: u32) -> vec4f {
     return (vec4f(f32((texel & 255u)), f32(((texel >> 8u) & 255u)), f32(((texel >> 16u) & 255u)), f32((texel >> 24u))) * (1.0 / 255.0));
 }
@@ -1061,7 +1104,11 @@ fn fetch_texel_Buffers(scene: Buffers, channel: ChannelRecord, column: u32, row:
     let height = (channel.size >> 16u);
     let x = (column % width);
     let y = ((height - 1u) - (row % height));
-    return unpack_texel(Buffers_texel(scene, ((channel.first + (y * width)) + x)));
+    let color = unpack_texel(Buffers_texel(scene, ((channel.first + (y * width)) + x)));
+    if ((channel.mode & 2u) == 0u) {
+        return color;
+    }
+    return vec4f(srgb_decode(color.x), srgb_decode(color.y), srgb_decode(color.z), color.w);
 }
 
 fn image_color_Buffers(scene: Buffers, channel: ChannelRecord, uv: vec2f) -> vec4f {
@@ -1073,7 +1120,7 @@ fn image_color_Buffers(scene: Buffers, channel: ChannelRecord, uv: vec2f) -> vec
     let row = u32(y);
     let wx = (x - floor(x));
     let wy = (y - floor(y));
-    let corners = select(1u, 4u, (channel.bilinear != 0u));
+    let corners = select(1u, 4u, ((channel.mode & 1u) != 0u));
     var color = vec4f(0.0, 0.0, 0.0, 0.0);
     for (var corner = 0u; corner < corners; corner++) {
         let right = (corner & 1u);
@@ -1242,11 +1289,11 @@ fn compute_number_Buffers(scene: Buffers, record: ChannelRecord, before: Channel
         let ratios = Buffers_channel(scene, before.next);
         after.next = (before.next + 1u);
         var q = (p * v.x);
-        var kind = record.bilinear;
+        var kind = record.mode;
         if (op == CHANNEL_TURBULENCE) {
             kind = NOISE_VECTOR;
             q = p;
-            if (record.bilinear == 1u) {
+            if (record.mode == 1u) {
                 q = before.uvw;
             }
         }
@@ -1254,7 +1301,7 @@ fn compute_number_Buffers(scene: Buffers, record: ChannelRecord, before: Channel
         let moved = (q + (vec3f(v.x, v.y, v.z) * noise));
         if (op == CHANNEL_NOISE) {
             after.number = noise.x;
-        } else if (record.bilinear == 1u) {
+        } else if (record.mode == 1u) {
             after.uvw = moved;
         } else {
             after.xyz = moved;
@@ -2455,7 +2502,7 @@ fn with_normal_maps_Buffers(
     var index = material.normal_map;
     while (index != NONE) {
         let normal_map = Buffers_channel(scene, index);
-        index = normal_map.bilinear;
+        index = normal_map.mode;
         if normal_map_covers(normal_map, at.uv) {
             let slopes = (height_slopes_Buffers(scene, normal_map, at, local, world) * normal_map.value.x);
             du += (normal * (slopes.x - dot(du, normal)));
@@ -2496,6 +2543,27 @@ fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
         return 1.0;
     }
     return power_heuristic(previous.pdf, light_pdf);
+}
+
+struct PathState {
+    radiance: vec3f,
+    rays: u32,
+    throughput: vec3f,
+    touched: u32,
+    ray: Ray,
+    segment: u32,
+    media: Media,
+    previous: PathVertex,
+    event: u32,
+    direct: vec3f,
+    goes_on: bool
+}
+const EVENT_ESCAPED: u32 = 4u;
+const EVENT_STOPPED: u32 = 5u;
+const EVENT_STARTED: u32 = 6u;
+
+fn start_path(first: Ray) -> PathState {
+    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, 0u, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), true);
 }
 
 fn direct_light_Buffers(
@@ -2554,6 +2622,99 @@ fn escaped_radiance_Buffers(scene: Buffers, previous: PathVertex, direction: vec
     return sum;
 }
 
+fn extend_path_Buffers(scene: Buffers, key: SampleKey, depth: u32, before: PathState) -> PathState {
+    var path = before;
+    let ray = before.ray;
+    path.direct = vec3f(0.0, 0.0, 0.0);
+    path.goes_on = false;
+    let hit = closest_hit_Buffers(scene, ray, key, path.segment);
+    path.rays += 1u;
+    if (hit.object == NONE) {
+        path.radiance += (path.throughput * escaped_radiance_Buffers(scene, path.previous, ray.direction));
+        path.event = EVENT_ESCAPED;
+        return path;
+    }
+    let shape = Buffers_shape(scene, hit.object);
+    let surface = Buffers_surface(scene, hit.object);
+    var point = hit_surface_Buffers(scene, ray, hit);
+    let wo = -ray.direction;
+    let cos_front = dot(point.normal, wo);
+    let front = (cos_front >= 0.0);
+    let material = sided_material_Buffers(scene, shape.material, front);
+    var at = uv_point(point.uv);
+    if (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE)) {
+        let p = hit_unit_point_Buffers(scene, ray, hit);
+        at = texture_point_Buffers(scene, hit.instance, shape, surface, material, p, point.uv);
+        point = with_normal_maps_Buffers(scene, hit, material, p, at, point);
+    }
+    let normal = facing_normal(point, wo);
+    if (surface.light != NONE) {
+        path.radiance += (path.throughput * lamp_radiance_Buffers(scene, surface.light, path.previous, point.position, cos_front));
+    }
+    let body = (surface.source ^ ((hit.instance + 1u) * 2654435769u));
+    var eta: f32 = 1.0;
+    if (material.refractive_index > 0.0) {
+        let outside = leave_medium(path.media, body).indices.x;
+        let inside = material.refractive_index;
+        eta = select((inside / outside), (outside / inside), front);
+    }
+    let bsdf = material_bsdf_Buffers(scene, material, at, eta, dot(normal, wo));
+    path.radiance += (path.throughput * bsdf.emissive);
+    let may_go_on = ((path.segment + 1u) < MAX_SEGMENTS);
+    if (path.touched >= depth) {
+        path.throughput *= bsdf.straight;
+        path.event = EVENT_ABSORBED;
+        if !is_dark(path.throughput) {
+            path.event = EVENT_PASSED;
+            path.goes_on = may_go_on;
+        }
+        path.ray = Ray(offset_origin(point, ray.direction), ray.direction);
+        path.segment += 1u;
+        return path;
+    }
+    let dimension = (DIMENSION_FIRST_SURFACE + (path.segment * DIMENSIONS_PER_SURFACE));
+    let u_light = random4(key, dimension);
+    let importance = total_importance_Buffers(scene, point.position);
+    if (importance > 0.0) {
+        let direct = direct_light_Buffers(scene, point, bsdf, normal, wo, importance, vec3f(u_light.x, u_light.y, u_light.z));
+        path.direct = (path.throughput * direct.radiance);
+        path.radiance += path.direct;
+        path.rays += direct.rays;
+    }
+    let u = random4(key, (dimension + 1u));
+    let sample = sample_bsdf(bsdf, normal, wo, vec3f(u.x, u.y, u.z));
+    path.event = sample.event;
+    if ((sample.event == EVENT_ABSORBED) || !same_side(point, normal, wo, sample.direction)) {
+        path.event = EVENT_ABSORBED;
+        return path;
+    }
+    path.throughput *= sample.weight;
+    if ((material.refractive_index > 0.0) && ((dot(sample.direction, point.normal) * cos_front) < 0.0)) {
+        if front {
+            path.media = enter_medium(path.media, body, material.refractive_index);
+        } else {
+            path.media = leave_medium(path.media, body);
+        }
+    }
+    path.ray = Ray(offset_origin(point, sample.direction), sample.direction);
+    path.segment += 1u;
+    path.goes_on = may_go_on;
+    if (sample.event != EVENT_PASSED) {
+        path.touched += 1u;
+        path.previous = PathVertex(point.position, normal, transmits(bsdf), sample.pdf, importance);
+    }
+    if (path.touched >= ROULETTE_START) {
+        let survival = min(largest(path.throughput), 0.95);
+        if (u.w >= survival) {
+            path.event = EVENT_STOPPED;
+            path.goes_on = false;
+            return path;
+        }
+        path.throughput *= (1.0 / survival);
+    }
+    return path;
+}
+
 fn lamp_radiance_Buffers(
     scene: Buffers,
     index: u32,
@@ -2583,7 +2744,8 @@ fn render_pixel_Buffers(
 ) -> FilmPixel {
     let header = Buffers_header(scene);
     var film = before;
-    for (var i = 0u; i < settings.samples; i++) {
+    let count = launched_samples(settings, before.samples);
+    for (var i = 0u; i < count; i++) {
         let key = SampleKey(((y * settings.width) + x), (settings.first_sample + i), settings.seed);
         let position = pixel_position(key, settings.grid);
         let ray = camera_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y));
@@ -2591,94 +2753,90 @@ fn render_pixel_Buffers(
         film.radiance += path.radiance;
         film.squares += (path.radiance * path.radiance);
         film.rays += path.rays;
-        film.samples += 1u;
+    }
+    if (settings.counted == 0u) {
+        film.samples += count;
     }
     return film;
 }
 
 fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) -> PathSample {
-    var result = PathSample(vec3f(0.0, 0.0, 0.0), 0u);
-    var throughput = vec3f(1.0, 1.0, 1.0);
-    var ray = first;
-    var touched: u32 = 0u;
-    var media = empty_space();
-    var previous = PathVertex(first.origin, first.direction, false, 0.0, 0.0);
-    for (var segment = 0u; segment < MAX_SEGMENTS; segment++) {
-        let hit = closest_hit_Buffers(scene, ray, key, segment);
-        result.rays += 1u;
-        if (hit.object == NONE) {
-            result.radiance += (throughput * escaped_radiance_Buffers(scene, previous, ray.direction));
-            return result;
-        }
-        let shape = Buffers_shape(scene, hit.object);
-        let surface = Buffers_surface(scene, hit.object);
-        var point = hit_surface_Buffers(scene, ray, hit);
-        let wo = -ray.direction;
-        let cos_front = dot(point.normal, wo);
-        let front = (cos_front >= 0.0);
-        let material = sided_material_Buffers(scene, shape.material, front);
-        var at = uv_point(point.uv);
-        if (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE)) {
-            let p = hit_unit_point_Buffers(scene, ray, hit);
-            at = texture_point_Buffers(scene, hit.instance, shape, surface, material, p, point.uv);
-            point = with_normal_maps_Buffers(scene, hit, material, p, at, point);
-        }
-        let normal = facing_normal(point, wo);
-        if (surface.light != NONE) {
-            result.radiance += (throughput * lamp_radiance_Buffers(scene, surface.light, previous, point.position, cos_front));
-        }
-        let body = (surface.source ^ ((hit.instance + 1u) * 2654435769u));
-        var eta: f32 = 1.0;
-        if (material.refractive_index > 0.0) {
-            let outside = leave_medium(media, body).indices.x;
-            let inside = material.refractive_index;
-            eta = select((inside / outside), (outside / inside), front);
-        }
-        let bsdf = material_bsdf_Buffers(scene, material, at, eta, dot(normal, wo));
-        result.radiance += (throughput * bsdf.emissive);
-        if (touched >= depth) {
-            throughput *= bsdf.straight;
-            if is_dark(throughput) {
-                return result;
-            }
-            ray = Ray(offset_origin(point, ray.direction), ray.direction);
-            continue;
-        }
-        let dimension = (DIMENSION_FIRST_SURFACE + (segment * DIMENSIONS_PER_SURFACE));
-        let u_light = random4(key, dimension);
-        let importance = total_importance_Buffers(scene, point.position);
-        if (importance > 0.0) {
-            let direct = direct_light_Buffers(scene, point, bsdf, normal, wo, importance, vec3f(u_light.x, u_light.y, u_light.z));
-            result.radiance += (throughput * direct.radiance);
-            result.rays += direct.rays;
-        }
-        let u = random4(key, (dimension + 1u));
-        let sample = sample_bsdf(bsdf, normal, wo, vec3f(u.x, u.y, u.z));
-        if ((sample.event == EVENT_ABSORBED) || !same_side(point, normal, wo, sample.direction)) {
-            return result;
-        }
-        throughput *= sample.weight;
-        if ((material.refractive_index > 0.0) && ((dot(sample.direction, point.normal) * cos_front) < 0.0)) {
-            if front {
-                media = enter_medium(media, body, material.refractive_index);
-            } else {
-                media = leave_medium(media, body);
-            }
-        }
-        ray = Ray(offset_origin(point, sample.direction), sample.direction);
-        if (sample.event != EVENT_PASSED) {
-            touched += 1u;
-            previous = PathVertex(point.position, normal, transmits(bsdf), sample.pdf, importance);
-        }
-        if (touched >= ROULETTE_START) {
-            let survival = min(largest(throughput), 0.95);
-            if (u.w >= survival) {
-                return result;
-            }
-            throughput *= (1.0 / survival);
-        }
+    var path = start_path(first);
+    while path.goes_on {
+        path = extend_path_Buffers(scene, key, depth, path);
     }
-    return result;
+    return PathSample(path.radiance, path.rays);
+}
+
+fn bsdf_albedo(bsdf: Bsdf) -> vec3f {
+    return ((((bsdf.diffuse + bsdf.diffuse_transmission) + bsdf.glossy) + bsdf.glossy_transmission) + bsdf.straight);
+}
+
+fn view_depth(header: SceneHeader, position: vec3f) -> f32 {
+    let eye = transform_point(header.world_from_view, vec3f(0.0, 0.0, 0.0));
+    let forward = normalize(transform_vector(header.world_from_view, vec3f(0.0, 0.0, -1.0)));
+    return dot((position - eye), forward);
+}
+
+fn add_first_hit_Buffers(scene: Buffers, key: SampleKey, ray: Ray, before: LayerPixel) -> LayerPixel {
+    var layers = before;
+    layers.samples += 1u;
+    let hit = closest_hit_Buffers(scene, ray, key, 0u);
+    if (hit.object == NONE) {
+        return layers;
+    }
+    let shape = Buffers_shape(scene, hit.object);
+    let surface = Buffers_surface(scene, hit.object);
+    var point = hit_surface_Buffers(scene, ray, hit);
+    let wo = -ray.direction;
+    let front = (dot(point.normal, wo) >= 0.0);
+    let material = sided_material_Buffers(scene, shape.material, front);
+    var at = uv_point(point.uv);
+    if (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE)) {
+        let p = hit_unit_point_Buffers(scene, ray, hit);
+        at = texture_point_Buffers(scene, hit.instance, shape, surface, material, p, point.uv);
+        point = with_normal_maps_Buffers(scene, hit, material, p, at, point);
+    }
+    let normal = facing_normal(point, wo);
+    var eta: f32 = 1.0;
+    if (material.refractive_index > 0.0) {
+        eta = select(material.refractive_index, (1.0 / material.refractive_index), front);
+    }
+    let bsdf = material_bsdf_Buffers(scene, material, at, eta, dot(normal, wo));
+    layers.albedo += bsdf_albedo(bsdf);
+    layers.normal += normal;
+    layers.position += point.position;
+    layers.depth += view_depth(Buffers_header(scene), point.position);
+    layers.hits += 1u;
+    if (layers.object == 0u) {
+        var source = surface.source;
+        if (hit.instance != NONE) {
+            let placed = Buffers_surface(scene, hit.instance).source;
+            source = select(source, placed, (source == NONE));
+            layers.instance = (placed + 1u);
+        }
+        layers.object = (source + 1u);
+        layers.material = (shape.material + 1u);
+    }
+    return layers;
+}
+
+fn layers_of_pixel_Buffers(
+    scene: Buffers,
+    settings: LaunchSettings,
+    x: u32,
+    y: u32,
+    before: LayerPixel,
+) -> LayerPixel {
+    let header = Buffers_header(scene);
+    var layers = before;
+    for (var i = 0u; i < settings.samples; i++) {
+        let key = SampleKey(((y * settings.width) + x), (settings.first_sample + i), settings.seed);
+        let position = pixel_position(key, settings.grid);
+        let ray = camera_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y));
+        layers = add_first_hit_Buffers(scene, key, ray, layers);
+    }
+    return layers;
 }
 
 @group(0) @binding(0) var<uniform> HEADER: SceneHeader;
@@ -2691,6 +2849,7 @@ fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) ->
 @group(0) @binding(7) var<storage, read> LIGHTS: array<LightRecord>;
 @group(0) @binding(8) var<storage, read> ATTRIBUTES: array<vec4f>;
 @group(0) @binding(9) var<storage, read_write> FILM: array<FilmPixel>;
+@group(0) @binding(9) var<storage, read_write> LAYERS: array<LayerPixel>;
 
 struct Buffers {
     unused: u32
@@ -2739,6 +2898,16 @@ fn Buffers_attribute(_scene: Buffers, index: u32) -> vec4f {
         let before = FILM[u32(index)];
         let after = render_pixel_Buffers(Buffers(0u), settings, (settings.tile_x + id.x), (settings.tile_y + id.y), before);
         FILM[u32(index)] = after;
+    }
+}
+
+@compute @workgroup_size(8, 8) fn render_layers(@builtin(global_invocation_id) id: vec3u) {
+    let settings = SETTINGS;
+    if ((id.x < settings.tile_width) && (id.y < settings.tile_height)) {
+        let index = ((id.y * settings.tile_width) + id.x);
+        let before = LAYERS[u32(index)];
+        let after = layers_of_pixel_Buffers(Buffers(0u), settings, (settings.tile_x + id.x), (settings.tile_y + id.y), before);
+        LAYERS[u32(index)] = after;
     }
 }
 
