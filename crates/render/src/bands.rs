@@ -37,7 +37,7 @@ pub const FILM_BYTES: u64 = 4 << 30;
 const ROW_STEP: u32 = 16;
 
 /// What a rendering took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BandStatistics {
     /// Samples taken for the whole picture.
     pub samples: u64,
@@ -47,6 +47,8 @@ pub struct BandStatistics {
     pub black: bool,
     /// Most bytes that bands took at a time.
     pub peak_bytes: u64,
+    /// Estimated relative error where the whole film was at hand, see [`crate::relative_noise`].
+    pub noise: Option<f64>,
 }
 
 /// Rows of a band of a picture, given the bytes that it may take: all rows if they fit, else a multiple of 16.
@@ -84,7 +86,11 @@ pub fn render_bands(
     };
     let rows = band_rows(settings, with_layers, bytes);
     let width = settings.width as usize;
-    let mut statistics = BandStatistics { black: true, ..BandStatistics::default() };
+    let mut statistics = BandStatistics {
+        black: true,
+        noise: film.as_ref().map(crate::relative_noise),
+        ..BandStatistics::default()
+    };
     let mut done = 0;
     let mut own: Vec<FilmPixel> = Vec::new();
     let mut layers: Vec<LayerPixel> = Vec::new();
