@@ -22,7 +22,7 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Make a picture of a scene
-    Render(RenderArguments),
+    Render(Box<RenderArguments>),
     /// Show what a scene holds, and what of it cannot be drawn
     Info(InfoArguments),
     /// List the processors and graphics cards that can render
@@ -314,7 +314,7 @@ mod tests {
     fn render(words: &[&str]) -> Result<RenderArguments, clap::Error> {
         let all = ["sunshine", "render", "plant.gsz"].iter().chain(words);
         match Arguments::try_parse_from(all)?.command {
-            Command::Render(arguments) => Ok(arguments),
+            Command::Render(arguments) => Ok(*arguments),
             other => panic!("{other:?}"),
         }
     }

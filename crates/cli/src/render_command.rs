@@ -107,6 +107,7 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
 /// Progress as a share of the samples or of the time, whichever is known beforehand.
 struct Follower {
     progress: RenderProgress,
+    total: u64,
     start: Instant,
     by_time: bool,
 }
@@ -123,7 +124,7 @@ impl Follower {
             Sampling::Uniform | Sampling::Adaptive => settings.total_samples(),
         };
         let by_time = arguments.time.is_some();
-        Follower { progress: messages.follow(total), start: Instant::now(), by_time }
+        Follower { progress: messages.follow(total), total, start: Instant::now(), by_time }
     }
 
     fn update(&self, samples: u64) -> ControlFlow<()> {
@@ -132,6 +133,8 @@ impl Follower {
     }
 
     fn finish(&self) {
+        // A time or a noise may be reached a little before what was expected.
+        let _ = self.progress.update(self.total);
         self.progress.finish();
     }
 }

@@ -10,7 +10,7 @@ use render::{
     RenderError, RenderSettings, Sampling, StopRule, compile, open_device, relative_noise, render_bands,
     stream_picture, write_picture,
 };
-use scene::{DVec3, LightKind, Scene, Shape};
+use scene::{DVec3, LightKind, Phong, Scene, Shape};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 use std::sync::Arc;
@@ -242,24 +242,24 @@ fn the_estimated_noise_is_the_error() {
 #[test]
 fn adaptive_sampling_has_no_bias_and_spends_what_was_asked_for() {
     // Few samples, so that a bias by pixels that happen to look clean would be large; many pictures, so that the
-    // error of their mean is small. The light is seen through its lamp alone, which one sample in some finds.
+    // error of their mean is small. The ground is lit by a body that shines but is no light: only one path in some
+    // finds it.
     let mut b = Builder::new();
     let white = b.diffuse([0.7; 3]);
+    let shining = b.phong(|s| Phong { emissive: grey(s, 8.0), ..Phong::default() });
     b.object(Shape::Plane, at(0.0, 0.0, 0.0), white);
-    b.object(Shape::Sphere { radius: 0.4 }, at(0.0, 0.0, 0.4), white);
-    b.rectangle(DVec3::new(0.5, 0.0, 2.0), (0.5, 0.5), false, white).emission =
-        Some(scene::Emission { power: [20.0; 3], exponent: 0.0, shadowless: false });
-    b.look(DVec3::new(0.0, -3.0, 2.0), DVec3::new(0.0, 0.0, 0.3), DVec3::Z, 50.0);
+    b.object(Shape::Sphere { radius: 0.3 }, at(0.0, 0.0, 1.2), shining);
+    b.look(DVec3::new(0.0, -3.0, 1.0), DVec3::ZERO, DVec3::Z, 20.0);
     let loaded = load(&*cpu(2), &b.scene);
 
-    let reference = loaded.render(&settings(16, 12, 16384, 3), &go_on).unwrap();
+    let reference = loaded.render(&settings(16, 12, 16384, 1), &go_on).unwrap();
     let (exact, exact_error) = mean_and_error(&reference);
     const PICTURES: u32 = 200;
     let mut means = Vec::new();
     let mut least = u32::MAX;
     let mut most = 0;
     for seed in 0..PICTURES {
-        let plain = RenderSettings { seed: 100 + seed, ..settings(16, 12, 16, 3) };
+        let plain = RenderSettings { seed: 100 + seed, ..settings(16, 12, 16, 1) };
         let film = render::adaptive::render_adaptive(&*loaded, &plain, &go_on).unwrap();
         let spent = film.samples() as f64 / film.pixels.len() as f64;
         assert!((spent - 16.0).abs() < 0.5, "{spent}");
@@ -267,12 +267,12 @@ fn adaptive_sampling_has_no_bias_and_spends_what_was_asked_for() {
         most = most.max(film.pixels.iter().map(|pixel| pixel.samples).max().unwrap());
         means.push(mean_and_error(&film).0[1]);
     }
-    assert!(least >= 4 && least < 12 && most > 24, "{least} to {most}");
+    assert!((4..12).contains(&least) && most > 24, "{least} to {most}");
     let n = f64::from(PICTURES);
     let mean = means.iter().sum::<f64>() / n;
     let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n * (n - 1.0));
     let error = variance.sqrt().hypot(exact_error[1]);
     assert!((mean - exact[1]).abs() < 4.0 * error, "{mean} exact {} error {error}", exact[1]);
-    // The test would notice a bias of three percent.
-    assert!(4.0 * error < 0.03 * exact[1], "{error} of {}", exact[1]);
+    // The test would notice a bias of five percent; counts that a half decides for itself cost twenty.
+    assert!(4.0 * error < 0.05 * exact[1], "{error} of {}", exact[1]);
 }

@@ -52,7 +52,7 @@ fn read_channels(path: &std::path::Path) -> (HashMap<String, FlatSamples>, Optio
         .from_file(path)
         .unwrap();
     let manifest = image.layer_data.attributes.other.iter().find_map(|(name, value)| {
-        (name.to_string() == "objectTypes").then(|| match value {
+        (name == &exr::prelude::Text::from("objectTypes")).then(|| match value {
             exr::meta::attribute::AttributeValue::Text(text) => text.to_string(),
             other => panic!("{other:?}"),
         })
