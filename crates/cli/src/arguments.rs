@@ -2,7 +2,9 @@
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
-use render::{DeviceChoice, Layers, PictureFormat, RenderSettings, Sampling, StopRule};
+use render::{
+    Acceleration, DeviceChoice, Layers, PictureFormat, RenderSettings, Renderer, Sampling, StopRule,
+};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -27,6 +29,8 @@ pub enum Command {
     Info(InfoArguments),
     /// List the processors and graphics cards that can render
     Devices,
+    /// Measure this machine
+    Bench(BenchArguments),
 }
 
 /// `sunshine render`.
@@ -43,6 +47,11 @@ pub struct RenderArguments {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WxH", default_value_t = Size::of(&RenderSettings::default()))]
     pub size: Size,
+
+    /// How light is computed: pathtracer (all of it, with noise) or raytracer (direct light, shadows, mirrors and
+    /// glass, as GroIMP's own ray tracer)
+    #[arg(long, value_name = "RENDERER", default_value_t = RenderSettings::default().renderer)]
+    pub renderer: Renderer,
 
     /// Light paths followed per pixel; four times as many halve the noise and take four times as long. With --time or
     /// --noise the most that a pixel gets [default: 64; without bound with --time or --noise]
@@ -65,6 +74,15 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", default_value_t = RenderSettings::default().depth,
           value_parser = whole_number(1..=1000))]
     pub depth: u32,
+
+    /// Ray tracer: shadow rays to every area light and sky; more make soft shadows smoother
+    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().shadow_samples,
+          value_parser = whole_number(1..=65536))]
+    pub shadow_samples: u32,
+
+    /// Radiance in W/(m² sr) of what lies behind the scene if it has no sky; seen, but lighting nothing
+    #[arg(long, value_name = "R,G,B", default_value = "0,0,0", value_parser = parse_background)]
+    pub background: [f32; 3],
 
     /// Divide every pixel into N x N cells and spread the samples evenly over them; smooths edges
     #[arg(long, value_name = "N", default_value_t = RenderSettings::default().grid,
@@ -95,6 +113,11 @@ pub struct RenderArguments {
     /// that are drawn for them [default: 1/2000 of the surface's size]
     #[arg(long, value_name = "METRES", value_parser = parse_flatness)]
     pub flatness: Option<f64>,
+
+    /// How objects are found along a ray: bvh by a hierarchy of boxes, none by testing every object, which is slow and
+    /// there to compare with
+    #[arg(long, value_name = "KIND", default_value = "bvh", value_parser = parse_acceleration)]
+    pub accel: Acceleration,
 
     /// Processor threads to use [default: all]
     #[arg(long, value_name = "N", value_parser = whole_number(1..=4096))]
@@ -147,6 +170,9 @@ impl RenderArguments {
             depth: self.depth,
             grid: self.grid,
             seed: self.seed,
+            renderer: self.renderer,
+            shadow_samples: self.shadow_samples,
+            background: self.background,
             tile: self.tile,
         }
     }
@@ -163,6 +189,46 @@ impl RenderArguments {
             }),
         }
     }
+}
+
+/// `sunshine bench`.
+#[derive(Debug, Args)]
+pub struct BenchArguments {
+    /// What to measure.
+    #[command(subcommand)]
+    pub command: BenchCommand,
+}
+
+/// What can be measured.
+#[derive(Debug, Subcommand)]
+pub enum BenchCommand {
+    /// Repeat the experiments of the thesis of 2008: tables beside its figures, curves and pictures
+    Thesis(ThesisArguments),
+}
+
+/// `sunshine bench thesis`.
+#[derive(Debug, Args)]
+pub struct ThesisArguments {
+    /// Folder for tables (.txt, .csv), curves (.svg) and pictures (.png) [default: thesis- and the name of this
+    /// machine]
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+
+    /// Measure this device; may be given several times [default: the processor, and a graphics card if there is one]
+    #[arg(long, value_name = "DEVICE", value_parser = str::parse::<DeviceChoice>)]
+    pub device: Vec<DeviceChoice>,
+
+    /// Small pictures, to see in a minute whether everything works; their times say little
+    #[arg(long)]
+    pub quick: bool,
+
+    /// Processor threads to use [default: all]
+    #[arg(long, value_name = "N", value_parser = whole_number(1..=4096))]
+    pub threads: Option<u32>,
+
+    /// Print nothing but the tables and errors
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// `sunshine info`.
@@ -295,6 +361,27 @@ fn parse_noise(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected a relative error up to 1, for example 0.02 or 2%".to_owned())
 }
 
+fn parse_acceleration(text: &str) -> Result<Acceleration, String> {
+    match text {
+        "bvh" => Ok(Acceleration::Bvh),
+        "none" => Ok(Acceleration::None),
+        _ => Err("expected bvh or none".to_owned()),
+    }
+}
+
+/// Three numbers, none of them negative.
+fn parse_background(text: &str) -> Result<[f32; 3], String> {
+    // Far beyond the sun; sums of it stay finite.
+    const LIMIT: f32 = 1e12;
+    let numbers: Vec<f32> = text.split(',').map_while(|number| number.trim().parse().ok()).collect();
+    <[f32; 3]>::try_from(numbers)
+        .ok()
+        .filter(|numbers| {
+            text.split(',').count() == 3 && numbers.iter().all(|number| (0.0..=LIMIT).contains(number))
+        })
+        .ok_or_else(|| "expected three numbers from 0 to 1e12, for example 0.2,0.3,0.5".to_owned())
+}
+
 /// A distance in metres, from a micrometre up.
 fn parse_flatness(text: &str) -> Result<f64, String> {
     let metres = text.trim().parse().ok().filter(|metres: &f64| metres.is_finite() && *metres >= 1e-6);
@@ -369,6 +456,12 @@ mod tests {
             ["--device", "tpu"],
             ["--size", "big"],
             ["--output", "picture.jpg"],
+            ["--renderer", "radiosity"],
+            ["--shadow-samples", "0"],
+            ["--background", "1,1"],
+            ["--background", "1,1,1,x"],
+            ["--background", "1,-1,1"],
+            ["--background", "1,nan,1"],
         ] {
             assert!(render(&wrong).is_err(), "{wrong:?}");
         }
@@ -378,6 +471,14 @@ mod tests {
     fn exposures_may_be_negative() {
         assert_eq!(render(&["--exposure", "-1.5"]).unwrap().exposure, Some(-1.5));
         assert_eq!(render(&["--exposure=+2"]).unwrap().exposure, Some(2.0));
+    }
+
+    #[test]
+    fn the_ray_tracer_has_settings() {
+        let words = ["--renderer", "raytracer", "--shadow-samples", "191", "--background", "0.2, 0.3,0.5"];
+        let settings = render(&words).unwrap().settings();
+        assert_eq!(settings.renderer, Renderer::RayTracer);
+        assert_eq!((settings.shadow_samples, settings.background), (191, [0.2, 0.3, 0.5]));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::error::Error;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use thesis::{ExperimentError, PlotError};
 
 /// Why a command did not do what it should.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +28,12 @@ pub enum Failure {
     /// The device is missing or gave up.
     #[error(transparent)]
     Device(#[from] DeviceError),
+    /// An experiment could not be carried out.
+    #[error("an experiment failed")]
+    Experiment(#[from] ExperimentError),
+    /// A plot could not be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
     /// A file would not be writable; found before rendering.
     #[error("{} cannot be written", path.display())]
     NotWritable {

@@ -1,6 +1,7 @@
 //! `sunshine`: pictures of GroIMP plant models from the command line.
 
 mod arguments;
+mod bench_command;
 mod devices_command;
 mod failure;
 mod info_command;
@@ -43,6 +44,7 @@ fn answer(arguments: Arguments) -> Result<String, Failure> {
         Command::Render(arguments) => render_command::run(&arguments),
         Command::Info(arguments) => info_command::run(&arguments),
         Command::Devices => Ok(devices_command::run()),
+        Command::Bench(arguments) => bench_command::run(&arguments),
     }
 }
 

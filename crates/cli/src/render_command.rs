@@ -5,7 +5,8 @@ use crate::failure::Failure;
 use crate::progress::{Messages, RenderProgress};
 use crate::statistics::{Seconds, Statistics, count_text, duration_text, timed};
 use render::{
-    BAND_BYTES, BandStatistics, Origins, PictureFormat, PictureTarget, RenderSettings, Sampling, StopRule,
+    BAND_BYTES, BandStatistics, Origins, PictureFormat, PictureTarget, RenderSettings, Renderer, Sampling,
+    StopRule,
 };
 use std::io::{self, Write};
 use std::ops::ControlFlow;
@@ -39,11 +40,13 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
         return pixel_events(arguments, pixel, messages);
     }
     // A device that is not there is told before a large scene is read.
-    let device = timed(&mut seconds.open, || render::open_device(arguments.device, threads))?;
+    let device =
+        timed(&mut seconds.open, || render::open_device_for(arguments.device, threads, settings.renderer))?;
     let project = timed(&mut seconds.read, || groimp::read_with(&arguments.scene, &arguments.read_options()))
         .map_err(Failure::reading(&arguments.scene))?;
     messages.report(&project.report);
-    let scene = Arc::new(timed(&mut seconds.compile, || render::compile(&project.scene))?);
+    let scene =
+        Arc::new(timed(&mut seconds.compile, || render::compile_with(&project.scene, arguments.accel))?);
     let loaded = timed(&mut seconds.upload, || device.load(Arc::clone(&scene)))?;
 
     let progress = Follower::new(arguments, &settings, messages);
@@ -142,6 +145,9 @@ impl Follower {
 /// Tells what happens on the paths of a pixel.
 fn pixel_events(arguments: &RenderArguments, pixel: Pixel, messages: Messages) -> Result<String, Failure> {
     let settings = arguments.settings();
+    if settings.renderer != Renderer::PathTracer {
+        return Err(Failure::Usage("--pixel tells of the paths of the path tracer only".to_owned()));
+    }
     if pixel.x >= settings.width || pixel.y >= settings.height {
         return Err(Failure::Usage(format!(
             "--pixel {},{} is outside of the picture, whose size is {}",
@@ -151,7 +157,7 @@ fn pixel_events(arguments: &RenderArguments, pixel: Pixel, messages: Messages) -
     let project = groimp::read_with(&arguments.scene, &arguments.read_options())
         .map_err(Failure::reading(&arguments.scene))?;
     messages.report(&project.report);
-    let scene = render::compile(&project.scene)?;
+    let scene = render::compile_with(&project.scene, arguments.accel)?;
     Ok(render::pixel_events(&scene, &settings, (pixel.x, pixel.y), pixel.samples))
 }
 

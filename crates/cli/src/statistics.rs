@@ -14,6 +14,8 @@ pub struct Statistics {
     pub version: &'static str,
     /// What computed.
     pub device: String,
+    /// Which renderer.
+    pub renderer: &'static str,
     /// Width of the picture in pixels.
     pub width: u32,
     /// Height of the picture in pixels.
@@ -52,6 +54,7 @@ impl Statistics {
         Statistics {
             version: env!("CARGO_PKG_VERSION"),
             device: String::new(),
+            renderer: settings.renderer.name(),
             width: settings.width,
             height: settings.height,
             depth: settings.depth,

@@ -312,3 +312,23 @@ fn a_black_picture_is_explained() {
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("the picture is black"), "{}", text(&output.stderr));
 }
+
+#[test]
+fn the_experiments_of_the_thesis_leave_tables_curves_and_pictures() {
+    let directory = empty_directory();
+    let output = sunshine(directory.path(), &["bench", "thesis", "--quick", "--device", "cpu", "-o", "out"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let answer = text(&output.stdout);
+    for part in ["table 5.2", "841", "146.9", "34.56", "cpu: CPU ("] {
+        assert!(answer.contains(part), "no {part:?} in {answer}");
+    }
+    let out = directory.path().join("out");
+    let csv = std::fs::read_to_string(out.join("bush-objects.csv")).unwrap();
+    // Five sizes, with and without a hierarchy, and the heads of the columns.
+    assert_eq!(csv.lines().count(), 11, "{csv}");
+    for file in
+        ["thesis.txt", "bush-objects.svg", "bush-rays.svg", "cornell-box-cpu.png", "leaf-shadow-cpu.png"]
+    {
+        assert!(out.join(file).metadata().unwrap().len() > 100, "{file}");
+    }
+}

@@ -94,6 +94,43 @@ fn soft_shadows_agree_with_mitsuba() {
     assert_agrees("penumbra", &render_project("penumbra", &settings));
 }
 
+/// Renders a scene of `make_materials.py` with as many surfaces per path as its reference.
+fn assert_material_agrees(name: &str, depth: u32) {
+    let settings =
+        RenderSettings { width: 128, height: 96, samples: 256, depth, seed: 4, ..Default::default() };
+    assert_agrees(name, &render_project(name, &settings));
+}
+
+#[test]
+fn a_spot_light_on_solids_agrees_with_mitsuba() {
+    assert_material_agrees("spot", 5);
+}
+
+#[test]
+fn cut_out_leaves_in_sun_and_sky_agree_with_mitsuba() {
+    assert_material_agrees("leaves", 5);
+}
+
+#[test]
+fn refraction_agrees_with_mitsuba() {
+    assert_material_agrees("glass", 10);
+}
+
+#[test]
+fn mirrors_agree_with_mitsuba() {
+    assert_material_agrees("mirrors", 6);
+}
+
+#[test]
+fn half_transparent_sheets_agree_with_mitsuba() {
+    assert_material_agrees("veils", 5);
+}
+
+#[test]
+fn checkerboards_under_a_lamp_and_a_sky_agree_with_mitsuba() {
+    assert_material_agrees("textures", 5);
+}
+
 #[test]
 fn single_lights_over_a_plane_have_their_exact_radiance() {
     // (project, exact radiance at the centre of the picture), from the laws of the lights; the area light's value

@@ -3,7 +3,7 @@
 use crate::ReadError;
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::{Component, Path, PathBuf};
 
 /// How much a project may become in memory, so that a few kilobytes of input cannot fill it.
@@ -19,10 +19,19 @@ pub struct Limits {
     pub surface_triangles: u64,
     /// Triangles of all curved surfaces; those beyond are not drawn.
     pub total_surface_triangles: u64,
+    /// Nodes that all bodies of modules together may make; further ones are left out, with a warning.
+    pub body_nodes: usize,
+    /// Steps of evaluation that all bodies of modules together may take. A step is about one operand or statement.
+    pub body_steps: usize,
+    /// Nodes that the masters of instances may have in all their uses; further ones are left out, with a warning.
+    pub group_nodes: usize,
+    /// Instances, the cells of grids included; further ones are left out, with a warning.
+    pub instances: usize,
 }
 
 impl Default for Limits {
-    /// 512 MiB per file, 2 GiB in total, 64 Mi pixels per image, 2 Mi triangles per surface, 16 Mi of all surfaces.
+    /// 512 MiB per file, 2 GiB in total, 64 Mi pixels per image, 2 Mi triangles per surface, 16 Mi of all surfaces, a
+    /// million nodes and 50 million steps of bodies, 50 million nodes in masters, 8 Mi instances.
     fn default() -> Self {
         Limits {
             entry_bytes: 512 << 20,
@@ -30,13 +39,60 @@ impl Default for Limits {
             image_pixels: 64 << 20,
             surface_triangles: 2 << 20,
             total_surface_triangles: 16 << 20,
+            body_nodes: 1_000_000,
+            body_steps: 50_000_000,
+            group_nodes: 50_000_000,
+            instances: 8 << 20,
         }
     }
 }
 
+/// What a zip archive can be read from.
+trait Seekable: Read + Seek {}
+
+impl<T: Read + Seek> Seekable for T {}
+
+type Zip = zip::ZipArchive<Metered>;
+
+/// A zip file of which no more is read than a sound archive needs.
+///
+/// The zip reader tries every place that looks like the end of a directory, and an entry can be listed under many
+/// names; both would read the same bytes again and again.
+struct Metered {
+    file: Box<dyn Seekable>,
+    left: u64,
+}
+
+impl Metered {
+    /// All bytes several times over: once for the directory and once for each file, with room to spare.
+    fn new(mut file: Box<dyn Seekable>) -> io::Result<Self> {
+        let length = file.seek(SeekFrom::End(0))?;
+        Ok(Metered { file, left: length.saturating_mul(8).saturating_add(1 << 20) })
+    }
+}
+
+impl Read for Metered {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        let too_much = || io::Error::other("the archive refers to the same bytes too often");
+        self.left = self.left.checked_sub(count as u64).ok_or_else(too_much)?;
+        Ok(count)
+    }
+}
+
+impl Seek for Metered {
+    fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+        self.file.seek(position)
+    }
+}
+
+/// Bytes of the name of a file in a project; messages about the file hold a copy.
+const LONGEST_NAME: usize = 1000;
+
 enum Storage {
-    Zip(Box<zip::ZipArchive<File>>),
+    Zip(Box<Zip>),
     Directory(PathBuf),
+    Memory(HashMap<String, Vec<u8>>),
 }
 
 /// An opened project.
@@ -68,20 +124,48 @@ impl Archive {
         } else if extension == Some("xml") {
             (Storage::Directory(parent), None, Some(name))
         } else {
-            let archive = zip::ZipArchive::new(File::open(path).map_err(io_error)?).map_err(|error| {
-                ReadError::NotAnArchive { path: path.to_owned(), reason: error.to_string() }
-            })?;
-            (Storage::Zip(Box::new(archive)), Some("project.gs".to_owned()), None)
+            let file = Box::new(File::open(path).map_err(io_error)?);
+            (open_zip(path, file)?, Some("project.gs".to_owned()), None)
         };
-        let path = path.to_owned();
-        let mut archive =
-            Archive { path, storage, limits, read_bytes: 0, charsets: HashMap::new(), registry, graph };
+        Archive::new(path, storage, limits, registry, graph)
+    }
+
+    /// Opens the bytes of a `.gsz`.
+    pub fn from_zip(bytes: Vec<u8>, limits: Limits) -> Result<Self, ReadError> {
+        let path = Path::new("memory.gsz");
+        let storage = open_zip(path, Box::new(Cursor::new(bytes)))?;
+        Archive::new(path, storage, limits, Some("project.gs".to_owned()), None)
+    }
+
+    /// A project of the given files.
+    pub fn from_files(files: HashMap<String, Vec<u8>>, limits: Limits) -> Result<Self, ReadError> {
+        let registry = Some("project.gs".to_owned());
+        Archive::new(Path::new("memory"), Storage::Memory(files), limits, registry, None)
+    }
+
+    fn new(
+        path: &Path,
+        storage: Storage,
+        limits: Limits,
+        registry: Option<String>,
+        graph: Option<String>,
+    ) -> Result<Self, ReadError> {
+        let (path, charsets) = (path.to_owned(), HashMap::new());
+        let mut archive = Archive { path, storage, limits, read_bytes: 0, charsets, registry, graph };
         if archive.registry.is_some()
             && let Some(manifest) = archive.read("META-INF/MANIFEST.MF")?
         {
             archive.charsets = manifest_charsets(&String::from_utf8_lossy(&manifest));
         }
         Ok(archive)
+    }
+
+    /// Names of all entries of a zip archive.
+    pub fn entry_names(&self) -> Vec<String> {
+        match &self.storage {
+            Storage::Zip(archive) => archive.file_names().map(str::to_owned).collect(),
+            Storage::Directory(_) | Storage::Memory(_) => Vec::new(),
+        }
     }
 
     /// Limits given on opening.
@@ -91,6 +175,9 @@ impl Archive {
 
     /// Contents of an entry, `None` if there is no such entry (or it lies outside the project).
     pub fn read(&mut self, entry: &str) -> Result<Option<Vec<u8>>, ReadError> {
+        if entry.len() > LONGEST_NAME {
+            return Ok(None);
+        }
         let (which, limit) = if self.limits.entry_bytes <= self.limits.total_bytes - self.read_bytes {
             ("one file", self.limits.entry_bytes)
         } else {
@@ -102,6 +189,7 @@ impl Archive {
             })?,
             Storage::Directory(root) => read_below(root, entry, limit)
                 .map_err(|source| ReadError::Io { path: root.join(entry), source })?,
+            Storage::Memory(files) => files.get(entry).cloned(),
         };
         let Some(bytes) = unpacked else { return Ok(None) };
         if bytes.len() as u64 > limit {
@@ -136,7 +224,14 @@ impl Archive {
     }
 }
 
-fn read_zip(archive: &mut zip::ZipArchive<File>, entry: &str, limit: u64) -> Result<Option<Vec<u8>>, String> {
+fn open_zip(path: &Path, source: Box<dyn Seekable>) -> Result<Storage, ReadError> {
+    let source = Metered::new(source).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
+    let archive = zip::ZipArchive::new(source)
+        .map_err(|error| ReadError::NotAnArchive { path: path.to_owned(), reason: error.to_string() })?;
+    Ok(Storage::Zip(Box::new(archive)))
+}
+
+fn read_zip(archive: &mut Zip, entry: &str, limit: u64) -> Result<Option<Vec<u8>>, String> {
     let file = match archive.by_name(entry) {
         Ok(file) => file,
         Err(zip::result::ZipError::FileNotFound) => return Ok(None),
@@ -178,7 +273,7 @@ fn read_below(root: &Path, entry: &str, limit: u64) -> io::Result<Option<Vec<u8>
 }
 
 /// Entry name to character set.
-fn manifest_charsets(manifest: &str) -> HashMap<String, String> {
+pub(crate) fn manifest_charsets(manifest: &str) -> HashMap<String, String> {
     // Long lines are folded: a line that starts with a space goes on where the last one ended.
     let unfolded = manifest.replace("\r\n", "\n").replace('\r', "\n").replace("\n ", "");
     let mut charsets = HashMap::new();

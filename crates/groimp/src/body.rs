@@ -3,25 +3,20 @@
 //! Bodies may make modules that have bodies. How deep that goes, how many nodes it makes and how much work
 //! it takes is limited; what is beyond the limits is left out and reported.
 
-use crate::ReadError;
 use crate::build::{Builder, Inherited};
 use crate::classes::Class;
-use crate::fields::{Defaults, Field, Fields};
+use crate::fields::{Defaults, Fields};
 use crate::modules::{Instantiation, Place, StaticValue, Stored};
 use crate::report::Location;
 use crate::values::{Kind, Value, parse_number, tokens};
+use crate::{Limits, ReadError};
+use std::collections::HashMap;
 
 /// Bodies within bodies that are drawn.
 const DEEPEST: usize = 64;
 
-/// Nodes that all bodies of a project together may make.
-const MOST_NODES: usize = 1_000_000;
-
 /// Steps of evaluation that one body may take. A step is about one operand or statement.
 const MOST_STEPS: usize = 1_000_000;
-
-/// Steps that all bodies of a project together may take.
-const MOST_STEPS_OF_ALL: usize = 50_000_000;
 
 /// What the bodies of a project may still use.
 pub(crate) struct Bodies {
@@ -29,9 +24,9 @@ pub(crate) struct Bodies {
     steps_left: usize,
 }
 
-impl Default for Bodies {
-    fn default() -> Self {
-        Bodies { nodes_left: MOST_NODES, steps_left: MOST_STEPS_OF_ALL }
+impl Bodies {
+    pub fn within(limits: Limits) -> Self {
+        Bodies { nodes_left: limits.body_nodes, steps_left: limits.body_steps }
     }
 }
 
@@ -84,7 +79,9 @@ impl Builder<'_> {
             return Ok(());
         }
         let most_steps = steps_left.min(MOST_STEPS);
-        let stored = |field: &str| stored(instance, field);
+        // A module may ask for as many fields as the instance stores, so they are not searched one by one.
+        let in_file = if instance.in_file { fields_by_name(instance) } else { HashMap::new() };
+        let stored = |field: &str| stored(instance, &in_file, field);
         let Instantiation { nodes, steps } =
             self.sources.instantiate(module, &stored, nodes_left, most_steps);
         self.bodies.steps_left = steps_left.saturating_sub(steps);
@@ -115,14 +112,26 @@ impl Builder<'_> {
     }
 }
 
+/// The fields that the file stores for a node; the first of a name counts, as everywhere.
+fn fields_by_name<'a>(instance: &Fields<'a>) -> HashMap<&'a str, &'a Value> {
+    let graph = instance.graph;
+    let mut fields = HashMap::new();
+    for value in graph.values.iter(graph.node(instance.node).fields) {
+        if let Some(name) = value.name {
+            fields.entry(graph.values.name(name)).or_insert(value);
+        }
+    }
+    fields
+}
+
 /// A field of an instance as expressions see it.
-fn stored(instance: &Fields<'_>, field: &str) -> Stored {
-    let value = match instance.get(field) {
-        Field::File(value) => value,
+fn stored(instance: &Fields<'_>, in_file: &HashMap<&str, &Value>, field: &str) -> Stored {
+    let value = match (in_file.get(field), instance.defaults.get(field)) {
+        (Some(value), _) => value,
         // The defaults of a node in the file are those that its module computes anyhow.
-        Field::Module(_) if instance.in_file => return Stored::Missing,
-        Field::Module(value) => return Stored::Value(value.clone()),
-        Field::Missing => return Stored::Missing,
+        (None, Some(_)) if instance.in_file => return Stored::Missing,
+        (None, Some(value)) => return Stored::Value(value.clone()),
+        (None, None) => return Stored::Missing,
     };
     match (value.kind, value.text()) {
         (Kind::Null, _) => Stored::Value(StaticValue::Null),

@@ -1,19 +1,18 @@
 //! From the graph to the scene: depth-first along the tree edges, with an explicit stack.
 
-use crate::ReadError;
 use crate::body::Bodies;
 use crate::classes::{Amount, AxisShape, Class, Skip};
-use crate::daylight::{self, DaylightValue};
 use crate::distributions::Distributions;
 use crate::fields::{Field, Fields};
 use crate::graph::{Graph, Node, NodeIndex};
 use crate::groups::Groups;
-use crate::lights::{self, LightValue, Object as LightObject};
+use crate::interiors;
+use crate::lights;
 use crate::meshes::Meshes;
 use crate::module_lights;
 use crate::modules::{Sources, StaticValue};
 use crate::output::Output;
-use crate::shaders::{Found, GRAY, ShaderSource, Shaders};
+use crate::shaders::{GRAY, ShaderSource, Shaders};
 use crate::shapes::{self, Geometry};
 use crate::surfaces::{SurfaceClass, Surfaces};
 use crate::targets::PlacedTargets;
@@ -21,8 +20,9 @@ use crate::transform::{self, Frames};
 use crate::turtle_state::{EGA_COLORS, StateCommand, TurtleState, initial_turtle_state};
 use crate::types::Types;
 use crate::view::View;
+use crate::{Limits, ReadError};
 use glam::{DAffine3, DVec3};
-use scene::{Interior, Light, MaterialId, Object, Origin, Sky, SkyRadiance};
+use scene::{Interior, MaterialId, Object, Origin};
 
 /// A drawn node's frames; what tests compare with known figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +75,16 @@ enum Visit {
     Done(u32),
 }
 
+/// What a project consists of, once its files are read.
+pub(crate) struct Parts<'a> {
+    pub graph: &'a Graph,
+    pub view: &'a View,
+    pub types: &'a Types,
+    pub sources: &'a Sources,
+    pub shaders: Shaders<'a>,
+    pub surfaces: Surfaces,
+}
+
 pub(crate) struct Builder<'a> {
     pub graph: &'a Graph,
     pub view: &'a View,
@@ -89,36 +99,29 @@ pub(crate) struct Builder<'a> {
     meshes: Meshes,
     surfaces: Surfaces,
     pub placed_targets: PlacedTargets,
-    distributions: Distributions,
+    pub distributions: Distributions,
     visits: Vec<Visit>,
     tree: u32,
-    has_light: bool,
+    pub has_light: bool,
 }
 
 impl<'a> Builder<'a> {
-    pub fn new(
-        graph: &'a Graph,
-        view: &'a View,
-        types: &'a Types,
-        sources: &'a Sources,
-        shaders: Shaders<'a>,
-        surfaces: Surfaces,
-        out: Output,
-    ) -> Self {
+    pub fn new(parts: Parts<'a>, out: Output, limits: Limits) -> Self {
+        let Parts { graph, view, types, sources, shaders, surfaces } = parts;
         let initial = TurtleState::default();
         Builder {
             graph,
             view,
             types,
             sources,
-            bodies: Bodies::default(),
+            bodies: Bodies::within(limits),
             shaders,
             out,
             frames: Vec::new(),
             surfaces,
             placed_targets: PlacedTargets::new(graph, types),
             distributions: Distributions::default(),
-            groups: Groups::default(),
+            groups: Groups::within(limits),
             initial,
             meshes: Meshes::default(),
             visits: vec![Visit::Done(0); graph.nodes.len()],
@@ -153,7 +156,7 @@ impl<'a> Builder<'a> {
         let mut path = Vec::new();
         match root {
             Root::Node(node) => self.enter(node, start, &mut path)?,
-            Root::ChildrenOf(node) => self.follow(node, start, &mut path),
+            Root::ChildrenOf(node) => self.descend(node, start, &mut path),
         }
         while let Some(top) = path.last_mut() {
             if top.next_edge == top.last_edge {
@@ -185,7 +188,7 @@ impl<'a> Builder<'a> {
         path: &mut Vec<OnPath>,
     ) -> Result<(), ReadError> {
         let for_children = self.node(node, inherited)?;
-        self.follow(node, for_children, path);
+        self.descend(node, for_children, path);
         if self.types.class(self.graph.node(node).type_name) == Some(Class::GridCloner) {
             // Its children stand in the cells of its grid instead.
             let top = path.last_mut().filter(|top| top.node == node);
@@ -194,7 +197,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    fn follow(&mut self, node: NodeIndex, for_children: Inherited, path: &mut Vec<OnPath>) {
+    fn descend(&mut self, node: NodeIndex, for_children: Inherited, path: &mut Vec<OnPath>) {
         self.visits[node.index()] = Visit::OnPath(self.tree);
         let edges = self.graph.edges_of(node);
         path.push(OnPath { node, next_edge: edges.start, last_edge: edges.end, for_children });
@@ -249,7 +252,9 @@ impl<'a> Builder<'a> {
         if class.has_shader() && sun_sky.is_none() {
             material = self.shader_field(fields)?.unwrap_or(material);
             if let Field::File(value) = fields.get("interior") {
-                interior = self.shaders.interior(value, &mut self.out)?.or(interior);
+                let filling =
+                    interiors::interior(value, self.graph, &self.shaders.references, &mut self.out.report)?;
+                interior = filling.or(interior);
             }
         }
         let site = Site { node, class, frames, interior };
@@ -333,7 +338,7 @@ impl<'a> Builder<'a> {
         Ok(if fields.flag("transforming", true)? { exported } else { post })
     }
 
-    fn skip(&mut self, node: NodeIndex, reason: &str) {
+    pub fn skip(&mut self, node: NodeIndex, reason: &str) {
         self.out.report.skip(self.graph.type_name(node), reason);
     }
 
@@ -494,106 +499,15 @@ impl<'a> Builder<'a> {
         });
     }
 
-    fn origin(&mut self, node: NodeIndex) -> Origin {
+    pub fn origin(&mut self, node: NodeIndex) -> Origin {
         self.out.origin(self.graph.node(node).id, self.graph.type_name(node))
-    }
-
-    /// A light shines also when its layer is hidden (unverified).
-    fn light(&mut self, site: &Site, fields: &Fields<'_>) -> Result<(), ReadError> {
-        let light = match fields.get("light") {
-            Field::Module(StaticValue::Light(light)) => module_lights::light(light),
-            Field::Module(StaticValue::Null) => LightValue::None,
-            _ => lights::light(fields, &mut self.shaders, &mut self.distributions, &mut self.out)?,
-        };
-        match light {
-            LightValue::None => {}
-            LightValue::Skipped(class, reason) => self.out.report.skip(&class, reason),
-            LightValue::Ambient(color) => {
-                // It does not count as a light: without another one the path tracer's picture would be black.
-                for (sum, c) in self.out.scene.ambient.iter_mut().zip(color) {
-                    *sum += c;
-                }
-                self.out.report.warn("an AmbientLight acts in the ray tracer only", None);
-            }
-            LightValue::Light { .. } if !shapes::is_invertible(&site.frames.own) => {
-                self.skip(site.node, "its transformation is flat or not a number");
-            }
-            LightValue::Light { kind, shadowless } => {
-                let origin = self.origin(site.node);
-                let light = Light { kind, world_from_light: site.frames.own, shadowless, origin };
-                self.out.scene.lights.push(light);
-                self.has_light = true;
-            }
-            // That the sky of a LightNode is seen, too, is unverified.
-            LightValue::Sky(daylight) => self.set_sky(site, SkyRadiance::Daylight(daylight)),
-        }
-        Ok(())
-    }
-
-    /// The SunSkyLight that the shader of a sky is.
-    fn sun_sky<'f>(&self, fields: &Fields<'f>) -> Option<Found<'f>>
-    where
-        'a: 'f,
-    {
-        let Field::File(value) = fields.get("shader") else { return None };
-        self.shaders.follow(value).filter(|found| found.class.ends_with(".SunSkyLight"))
-    }
-
-    fn sky(
-        &mut self,
-        site: &Site,
-        fields: &Fields<'_>,
-        sun_sky: Option<Found<'_>>,
-        material: MaterialId,
-    ) -> Result<(), ReadError> {
-        if let Some(Found { class, members, line }) = sun_sky {
-            let object = LightObject { graph: self.graph, members, class };
-            match daylight::daylight(&object, line, &mut self.out)? {
-                DaylightValue::Sky(daylight) => self.set_sky(site, SkyRadiance::Daylight(daylight)),
-                DaylightValue::Unusable(reason) => self.skip(site.node, reason),
-            }
-            return Ok(());
-        }
-        let power_density = fields.number("powerDensity", 50.0)?;
-        if !power_density.is_finite() || power_density < 0.0 {
-            self.skip(site.node, "its powerDensity is negative or not a number");
-        } else {
-            self.set_sky(site, lights::sky_radiance(power_density, material, &self.out.scene));
-        }
-        Ok(())
-    }
-
-    /// A scene has one sky: the first one.
-    fn set_sky(&mut self, site: &Site, radiance: SkyRadiance) {
-        if self.out.scene.sky.is_some() {
-            self.skip(site.node, "there is another sky before it");
-        } else if !shapes::is_invertible(&site.frames.own) {
-            self.skip(site.node, "its transformation is flat or not a number");
-        } else {
-            let origin = self.origin(site.node);
-            // A sky that does not shine is no light; then the default light is added (unverified).
-            self.has_light |= match &radiance {
-                SkyRadiance::Daylight(daylight) => daylight.shines,
-                SkyRadiance::Uniform(_) | SkyRadiance::Channel { .. } => true,
-            };
-            self.out.scene.sky = Some(Sky { radiance, world_from_sky: site.frames.own, origin });
-        }
-    }
-
-    fn add_default_light(&mut self) {
-        let (kind, world_from_light) = lights::default_light(&self.view.camera);
-        let origin = self.out.origin(-1, "default light");
-        self.out.scene.lights.push(Light { kind, world_from_light, shadowless: true, origin });
-        let message =
-            "the scene has no light; GroIMP's default light from the upper left behind the camera is added";
-        self.out.report.warn(message, None);
     }
 }
 
 /// A node and where it stands.
-struct Site {
-    node: NodeIndex,
-    class: Class,
-    frames: Frames,
+pub(crate) struct Site {
+    pub node: NodeIndex,
+    pub class: Class,
+    pub frames: Frames,
     interior: Option<Interior>,
 }

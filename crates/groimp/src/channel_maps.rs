@@ -2,11 +2,15 @@
 
 use crate::ReadError;
 use crate::channels::{Channels, MISSING, MapNode, forwards_colors};
-use crate::fields::{number_of, transform_of, wrong_value};
+use crate::field_errors::{number_of, wrong_value};
+use crate::fields::transform_of;
 use crate::output::Output;
 use crate::values::{Kind, Members, Value, parse_number, parse_numbers, tokens};
 use scene::{Channel, ChannelId, CoordinateMap, DAffine3, DMat2, DVec2, DVec3, Rgb};
 use std::collections::HashSet;
+
+/// Changes of coordinates one after another; each channel holds its whole chain.
+const LONGEST_CHAIN: usize = 100;
 
 /// More octaves of a `Turbulence` are not counted, as in GroIMP.
 const MOST_OCTAVES: f64 = 10.0;
@@ -182,6 +186,11 @@ impl<'a> Channels<'a> {
         let mut seen = HashSet::new();
         let (mut fields, mut line) = (fields, line);
         while let Some(input) = self.graph.values.find(fields, "input").filter(|v| v.kind != Kind::Null) {
+            if maps.len() == LONGEST_CHAIN {
+                let message = format!("more than {LONGEST_CHAIN} inputs of a channel map are left out");
+                out.report.warn(message, self.graph.location(line));
+                break;
+            }
             let map = self.map_node(input).filter(|map| map.node.is_none_or(|node| seen.insert(node)));
             let class = map.as_ref().map_or("", MapNode::short_class);
             match map {

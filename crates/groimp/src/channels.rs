@@ -2,7 +2,7 @@
 //! `blends`, `normal_maps` and `carpenter`.
 
 use crate::ReadError;
-use crate::fields::{number_of, wrong_value};
+use crate::field_errors::{number_of, wrong_value};
 use crate::graph::{Graph, NodeIndex};
 use crate::images::Images;
 use crate::inline::registry_path;

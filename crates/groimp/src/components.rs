@@ -1,7 +1,7 @@
 //! Transformations whose class is known by nothing but its fields: translation, rotation, scale.
 
 use crate::ReadError;
-use crate::fields::{number_of, wrong_value};
+use crate::field_errors::{number_of, wrong_value};
 use crate::graph::Graph;
 use crate::values::{Kind, Value, parse_numbers};
 use glam::{DAffine3, DMat3, DVec3};

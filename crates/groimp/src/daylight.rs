@@ -1,8 +1,8 @@
 //! SunSkyLight: the fields of a clear sky.
 
 use crate::ReadError;
-use crate::fields::wrong_value;
-use crate::lights::Object;
+use crate::field_errors::wrong_value;
+use crate::object_fields::ObjectFields;
 use crate::output::Output;
 use crate::values::{Kind, parse_numbers};
 use glam::DVec3;
@@ -20,7 +20,7 @@ pub(crate) enum DaylightValue {
 
 /// Reads a SunSkyLight. A disabled sun neither shows nor shines; in GroIMP it is invisible, but its light stays.
 pub(crate) fn daylight(
-    object: &Object<'_>,
+    object: &ObjectFields<'_>,
     line: usize,
     out: &mut Output,
 ) -> Result<DaylightValue, ReadError> {
@@ -30,7 +30,7 @@ pub(crate) fn daylight(
             Some(&[x, y, z]) => DVec3::new(x, y, z),
             // Attribute form.
             Some(&[]) => {
-                let vector = Object { members: value.members, ..*object };
+                let vector = ObjectFields { members: value.members, ..*object };
                 DVec3::new(vector.number("x", 0.0)?, vector.number("y", 0.0)?, vector.number("z", 0.0)?)
             }
             _ => return Err(wrong_value(object.graph, value, object.class, "sun", "three numbers")),

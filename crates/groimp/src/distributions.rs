@@ -5,7 +5,7 @@
 use crate::ReadError;
 use crate::ies;
 use crate::inline::registry_path;
-use crate::lights::Object;
+use crate::object_fields::ObjectFields;
 use crate::output::Output;
 use crate::shaders::Shaders;
 use crate::values::{Kind, Members, Value, Values, parse_number, tokens};
@@ -26,7 +26,7 @@ impl Distributions {
     /// The distribution of a PhysicalLight; `None`, with a warning if it names one, means: isotropic.
     pub fn of_light(
         &mut self,
-        light: &Object<'_>,
+        light: &ObjectFields<'_>,
         line: usize,
         shaders: &mut Shaders<'_>,
         out: &mut Output,
@@ -38,7 +38,7 @@ impl Distributions {
         if let Some(file) = path.as_deref().and_then(|path| shaders.file_of(path)) {
             return self.of_file(&file, line, light, shaders, out);
         }
-        let found = shaders.follow(value);
+        let found = shaders.references.follow(value);
         let members = found.map_or(value.members, |found| found.members);
         // A distribution may name its file itself.
         let named = light
@@ -49,7 +49,7 @@ impl Distributions {
         if let Some(file) = named {
             return self.of_file(&file, line, light, shaders, out);
         }
-        let table = table(&Object { members, ..*light })?;
+        let table = table(&ObjectFields { members, ..*light })?;
         if table.is_none() {
             let message = "the distribution of a PhysicalLight holds no table of numbers that fits its size; it \
                            shines equally in all directions";
@@ -62,7 +62,7 @@ impl Distributions {
         &mut self,
         file: &str,
         line: usize,
-        light: &Object<'_>,
+        light: &ObjectFields<'_>,
         shaders: &mut Shaders<'_>,
         out: &mut Output,
     ) -> Result<Option<Arc<Distribution>>, ReadError> {
@@ -94,7 +94,7 @@ impl Distributions {
 }
 
 /// A table from the fields `width`, `height` and any list of as many numbers.
-fn table(object: &Object<'_>) -> Result<Option<Distribution>, ReadError> {
+fn table(object: &ObjectFields<'_>) -> Result<Option<Distribution>, ReadError> {
     let (width, height) = (object.number("width", 0.0)?, object.number("height", 0.0)?);
     let valid = |n: f64| (1.0..=65535.0).contains(&n) && n.fract() == 0.0;
     if !valid(width) || !valid(height) {

@@ -2,9 +2,10 @@
 
 use crate::ReadError;
 use crate::components;
+use crate::field_errors::{number_of, wrong_value};
 use crate::graph::{Graph, NodeIndex};
 use crate::modules::StaticValue;
-use crate::values::{Kind, Value, parse_number, parse_numbers};
+use crate::values::{Kind, Value, parse_numbers};
 use crate::view::affine;
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
@@ -136,28 +137,5 @@ pub(crate) fn transform_of<'a>(
             Some(transform) => Ok((transform, None)),
             None => Ok((DAffine3::IDENTITY, Some(class))),
         },
-    }
-}
-
-/// The number that a value of the file holds.
-pub(crate) fn number_of(graph: &Graph, value: &Value, owner: &str, field: &str) -> Result<f64, ReadError> {
-    parse_number(value.text()).ok_or_else(|| wrong_value(graph, value, owner, field, "a number"))
-}
-
-/// The error for a value that its field cannot hold.
-pub(crate) fn wrong_value(
-    graph: &Graph,
-    value: &Value,
-    owner: &str,
-    field: &str,
-    expected: &'static str,
-) -> ReadError {
-    ReadError::WrongValue {
-        file: graph.file.clone(),
-        line: value.line,
-        owner: owner.to_owned(),
-        field: field.to_owned(),
-        found: value.text().to_owned(),
-        expected,
     }
 }

@@ -189,6 +189,9 @@ impl<'a> Parser<'a> {
     }
 
     fn start(&mut self, element: &Element<'_>) -> Result<(), ReadError> {
+        if self.values.is_full() {
+            return Err(self.unexpected(element, "too many values".to_owned(), "a smaller graph"));
+        }
         let open = match self.stack.last().copied() {
             None => self.root(element)?,
             Some(parent) if element.name == "node" => self.node(parent, element)?,

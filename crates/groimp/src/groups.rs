@@ -3,35 +3,39 @@
 //! A master is drawn in a space of its own, with the shader and the turtle state that its instance hands on; a
 //! second state makes a second group. Tropisms in it act as if the group stood upright at the origin (unverified).
 
-use crate::ReadError;
 use crate::build::{Builder, Inherited, Root};
 use crate::classes::{Amount, Class};
 use crate::fields::Fields;
 use crate::graph::NodeIndex;
 use crate::transform;
+use crate::{Limits, ReadError};
 use glam::DAffine3;
 use scene::{Group, GroupId, Instance, Origin};
 use std::collections::{HashMap, VecDeque};
 
 /// Groups that one master may become, one for each state that its instances hand on.
 const MOST_STATES: usize = 1024;
-/// Nodes that all groups of a project together may draw.
-const MOST_NODES: usize = 50_000_000;
-/// Cells of a grid of clones.
-const MOST_CELLS: f64 = 4_000_000.0;
 
 /// What the groups of a project are made of.
 pub(crate) struct Groups {
     known: HashMap<Root, Vec<(Inherited, GroupId)>>,
     pending: VecDeque<(GroupId, Root, Inherited)>,
     nodes_left: usize,
+    instances_left: usize,
     /// Whether what is drawn now belongs to a group.
     pub inside: bool,
 }
 
-impl Default for Groups {
-    fn default() -> Self {
-        Groups { known: HashMap::new(), pending: VecDeque::new(), nodes_left: MOST_NODES, inside: false }
+impl Groups {
+    /// No groups yet.
+    pub fn within(limits: Limits) -> Self {
+        Groups {
+            known: HashMap::new(),
+            pending: VecDeque::new(),
+            nodes_left: limits.group_nodes,
+            instances_left: limits.instances,
+            inside: false,
+        }
     }
 }
 
@@ -67,7 +71,7 @@ impl Builder<'_> {
         origin: Origin,
     ) -> Result<DAffine3, ReadError> {
         if let Some(group) = self.group(Root::Node(master), start) {
-            self.out.scene.instances.push(Instance { group, world_from_group: own, origin });
+            self.place_group(Instance { group, world_from_group: own, origin });
         }
         let terminal = match fields.number("exportedTransformation", 0.0)? {
             1.0 => self.terminal(master, start)?,
@@ -88,23 +92,37 @@ impl Builder<'_> {
         let cells = |name| Ok::<f64, ReadError>(fields.number(name, 10.0)?.floor().max(0.0));
         let (columns, rows) = (cells("xCount")?, cells("yCount")?);
         let step = (fields.number("xDistance", 10.0)?, fields.number("yDistance", 10.0)?);
-        // Not a number compares as false, too.
-        let few = columns * rows <= MOST_CELLS;
-        if !(few && step.0.is_finite() && step.1.is_finite()) {
-            let reason = format!("its grid has more than {MOST_CELLS} cells or no size");
-            self.out.report.skip(self.graph.type_name(fields.node), reason);
+        if !(step.0.is_finite() && step.1.is_finite()) {
+            self.out
+                .report
+                .skip(self.graph.type_name(fields.node), "the distances of its grid are not finite");
             return Ok(());
         }
         let Some(group) = self.group(Root::ChildrenOf(fields.node), start) else { return Ok(()) };
-        // Lossless: at most some million cells.
+        // Saturating; placing ends at the limit.
         for row in 0..rows as u32 {
             for column in 0..columns as u32 {
                 let offset = glam::DVec3::new(f64::from(column) * step.0, f64::from(row) * step.1, 0.0);
                 let world_from_group = start.frame * DAffine3::from_translation(offset);
-                self.out.scene.instances.push(Instance { group, world_from_group, origin });
+                if !self.place_group(Instance { group, world_from_group, origin }) {
+                    return Ok(());
+                }
             }
         }
         Ok(())
+    }
+
+    /// Adds an instance; false if there are too many.
+    fn place_group(&mut self, instance: Instance) -> bool {
+        if self.groups.instances_left == 0 {
+            let message =
+                "the project has too many instances, those in grids included; the rest is not drawn";
+            self.out.report.warn(message, None);
+            return false;
+        }
+        self.groups.instances_left -= 1;
+        self.out.scene.instances.push(instance);
+        true
     }
 
     /// Draws the groups that instances have asked for, until none is left.

@@ -47,6 +47,9 @@ pub(crate) fn parse_fields(values: &mut Values, text: &str, line: usize) -> Opti
     let mut stack = vec![Open::new(values, Kind::Object, None, line)];
     let mut rest = text;
     while let Some(first) = rest.chars().next() {
+        if values.is_full() {
+            return None;
+        }
         let after = &rest[first.len_utf8()..];
         let top = stack.last_mut()?;
         match first {

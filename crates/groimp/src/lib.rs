@@ -18,20 +18,27 @@ mod daylight;
 mod distributions;
 mod energy;
 mod error;
+mod field_errors;
 mod fields;
+#[doc(hidden)]
+pub mod fuzzing;
 mod graph;
 mod groups;
 mod ies;
 mod images;
 mod inline;
+mod interiors;
 mod java_stream;
+mod light_nodes;
 mod lights;
 mod meshes;
 mod module_lights;
 pub mod modules;
 mod normal_maps;
+mod object_fields;
 mod options;
 mod output;
+mod references;
 mod registry;
 mod report;
 mod shaders;
@@ -54,13 +61,14 @@ pub use options::{Flatness, ReadOptions};
 pub use report::{Location, Report, Skipped, Warning};
 
 use archive::Archive;
-use build::Builder;
+use build::{Builder, Parts};
 use graph::Graph;
 use images::Images;
 use modules::{SourceFile, Sources};
 use output::Output;
 use registry::Registry;
 use shaders::Shaders;
+use std::collections::HashSet;
 use std::path::Path;
 use surfaces::Surfaces;
 use types::Types;
@@ -103,7 +111,14 @@ pub fn drawn_frames(path: &Path) -> Result<Vec<DrawnFrames>, ReadError> {
 }
 
 fn read_all(path: &Path, options: &ReadOptions) -> Result<(Project, Vec<DrawnFrames>), ReadError> {
-    let mut archive = Archive::open(path, options.limits)?;
+    read_archive(Archive::open(path, options.limits)?, options)
+}
+
+fn read_archive(
+    mut archive: Archive,
+    options: &ReadOptions,
+) -> Result<(Project, Vec<DrawnFrames>), ReadError> {
+    let limits = options.limits;
     let mut report = Report::default();
     let registry = match archive.registry.clone() {
         Some(file) => Registry::parse(&file, &archive.require(&file)?)?,
@@ -112,17 +127,20 @@ fn read_all(path: &Path, options: &ReadOptions) -> Result<(Project, Vec<DrawnFra
     let graph = Graph::parse(&registry.graph, &archive.require(&registry.graph)?, &mut report)?;
     let sources = read_sources(&mut archive, &registry, &mut report)?;
     let view = read_view(&archive, &registry, &mut report);
-    let types = Types::new(&graph, &sources);
+    let types = Types::new(&graph, &sources, limits);
     let images = Images::new(archive, registry.files.clone(), options.srgb_textures);
     let shaders = Shaders::new(&graph, &registry, images.clone());
     let surfaces = Surfaces::new(options, images);
-    let out = Output::with_report(report);
-    let mut builder = Builder::new(&graph, &view, &types, &sources, shaders, surfaces, out);
+    let parts = Parts { graph: &graph, view: &view, types: &types, sources: &sources, shaders, surfaces };
+    let mut builder = Builder::new(parts, Output::with_report(report), limits);
     builder.build()?;
     let Builder { out: Output { scene, mut report, .. }, frames, .. } = builder;
     energy::warn_of_gains(&scene, &mut report);
     Ok((Project { scene, report }, frames))
 }
+
+/// Bytes of all model sources together. Once it is split into tokens, a source takes some fifty times as much memory.
+const MOST_SOURCE_BYTES: usize = 16 << 20;
 
 fn read_sources(
     archive: &mut Archive,
@@ -130,9 +148,19 @@ fn read_sources(
     report: &mut Report,
 ) -> Result<Sources, ReadError> {
     let mut files = Vec::new();
-    for path in &registry.sources {
+    let mut bytes = 0;
+    let mut seen = HashSet::new();
+    for path in registry.sources.iter().filter(|path| seen.insert(path.as_str())) {
         match archive.read_source(path)? {
-            Some(text) => files.push(SourceFile { path: path.clone(), text }),
+            Some(text) if bytes + text.len() > MOST_SOURCE_BYTES => {
+                let message =
+                    format!("the sources have more than {MOST_SOURCE_BYTES} bytes; '{path}' is left out");
+                report.warn(message, None);
+            }
+            Some(text) => {
+                bytes += text.len();
+                files.push(SourceFile { path: path.clone(), text });
+            }
             None => report.warn(format!("the source '{path}' is not in the project"), None),
         }
     }

@@ -1,16 +1,17 @@
 //! Lights: point, spot, directional, physical, ambient and area lights, and skies with a plain shader.
 
 use crate::ReadError;
-use crate::channels::color_of;
 use crate::daylight::{self, DaylightValue};
 use crate::distributions::Distributions;
-use crate::fields::{Field, Fields, number_of};
-use crate::graph::Graph;
+use crate::fields::{Field, Fields};
+use crate::object_fields::ObjectFields;
 use crate::output::Output;
 use crate::shaders::Shaders;
-use crate::values::{Kind, Members, Value};
+use crate::values::Kind;
 use glam::{DAffine3, DVec3};
-use scene::{Camera, Daylight, Emission, LightKind, Material, MaterialId, Rgb, Scene, SkyRadiance};
+use scene::{
+    Attenuation, Camera, Daylight, Emission, LightKind, Material, MaterialId, Rgb, Scene, SkyRadiance,
+};
 
 /// What a light value turned out to be.
 pub(crate) enum LightValue {
@@ -18,6 +19,7 @@ pub(crate) enum LightValue {
     None,
     Light {
         kind: LightKind,
+        attenuation: Attenuation,
         shadowless: bool,
     },
     /// An AmbientLight of that colour.
@@ -46,7 +48,7 @@ pub(crate) fn light(
 ) -> Result<LightValue, ReadError> {
     let white_point = LightKind::Point { power: share(100.0, [1.0; 3]) };
     let Field::File(value) = fields.get("light") else {
-        return Ok(LightValue::Light { kind: white_point, shadowless: false });
+        return Ok(checked(white_point, Attenuation::default(), false, "PointLight"));
     };
     let graph = fields.graph;
     let mut value = value;
@@ -56,11 +58,11 @@ pub(crate) fn light(
         if value.kind == Kind::Null {
             return Ok(LightValue::None);
         }
-        let Some(found) = shaders.follow(value) else {
+        let Some(found) = shaders.references.follow(value) else {
             return Ok(LightValue::Skipped("LightNode".to_owned(), "its light is not in the file"));
         };
         let class = if found.class.is_empty() { "de.grogra.imp3d.objects.PointLight" } else { found.class };
-        let object = Object { graph, members: found.members, class };
+        let object = ObjectFields { graph, members: found.members, class };
         if !class.ends_with(".SpectralLight") {
             return object.light(found.line, spectral_power, shaders, distributions, out);
         }
@@ -72,14 +74,17 @@ pub(crate) fn light(
         spectral_power = spectral_power.or(Some(power));
         match graph.values.find(found.members, "light") {
             Some(inner) => value = inner,
-            None => return Ok(checked(LightKind::Point { power: share(power, [1.0; 3]) }, false, class)),
+            None => {
+                let kind = LightKind::Point { power: share(power, [1.0; 3]) };
+                return Ok(checked(kind, Attenuation::default(), false, class));
+            }
         }
     }
     Ok(LightValue::Skipped("LightNode".to_owned(), "its light contains itself"))
 }
 
 /// The light, unless its power is no power.
-fn checked(kind: LightKind, shadowless: bool, class: &str) -> LightValue {
+fn checked(kind: LightKind, attenuation: Attenuation, shadowless: bool, class: &str) -> LightValue {
     let (LightKind::Point { power }
     | LightKind::Spot { power, .. }
     | LightKind::Physical { power, .. }
@@ -87,7 +92,16 @@ fn checked(kind: LightKind, shadowless: bool, class: &str) -> LightValue {
     if !power.iter().all(|p| p.is_finite() && *p >= 0.0) {
         return LightValue::Skipped(class.to_owned(), "its power is negative or not a number");
     }
-    LightValue::Light { kind, shadowless }
+    LightValue::Light { kind, attenuation, shadowless }
+}
+
+/// How a light fades, from the fields of a PointLight; numbers that make no sense leave it as bright everywhere.
+pub(crate) fn attenuation(exponent: f64, distance: f64) -> Attenuation {
+    if exponent.is_finite() && exponent > 0.0 && distance.is_finite() && distance > 0.0 {
+        Attenuation { exponent, distance }
+    } else {
+        Attenuation::default()
+    }
 }
 
 /// The area light of a Parallelogram whose shader has the average colour `color`; an error text if it cannot
@@ -104,7 +118,7 @@ pub(crate) fn area_light(
     if !class.ends_with(".AreaLight") {
         return Ok(Some(Err(format!("its light of class '{class}' is not supported yet"))));
     }
-    let object = Object { graph: fields.graph, members: value.members, class };
+    let object = ObjectFields { graph: fields.graph, members: value.members, class };
     let power = object.number("power", 100.0)?;
     let exponent = object.number("exponent", 4.0)?;
     if !(power.is_finite() && power >= 0.0 && exponent.is_finite() && exponent >= 0.0) {
@@ -148,14 +162,8 @@ pub(crate) fn default_light(camera: &Camera) -> (LightKind, DAffine3) {
     (kind, camera.view_from_world.inverse() * view_from_light)
 }
 
-/// Fields of a light, which is a value as a rule and no node of the tree.
-pub(crate) struct Object<'a> {
-    pub graph: &'a Graph,
-    pub members: Members,
-    pub class: &'a str,
-}
-
-impl Object<'_> {
+impl ObjectFields<'_> {
+    /// The light that the object is.
     fn light(
         &self,
         line: usize,
@@ -204,23 +212,9 @@ impl Object<'_> {
                 return Ok(LightValue::Skipped(self.class.to_owned(), reason));
             }
         };
-        Ok(checked(kind, self.flag("shadowless", false), self.class))
-    }
-
-    pub fn find(&self, name: &str) -> Option<&Value> {
-        self.graph.values.find(self.members, name)
-    }
-
-    pub fn number(&self, name: &str, default: f64) -> Result<f64, ReadError> {
-        self.find(name).map_or(Ok(default), |value| number_of(self.graph, value, self.class, name))
-    }
-
-    pub fn flag(&self, name: &str, default: bool) -> bool {
-        self.find(name).map_or(default, |value| value.text() == "true")
-    }
-
-    fn color(&self) -> Result<Rgb, ReadError> {
-        self.find("color").map_or(Ok([1.0; 3]), |value| color_of(self.graph, value))
+        let attenuation =
+            attenuation(self.number("attenuationExponent", 0.0)?, self.number("attenuationDistance", 1.0)?);
+        Ok(checked(kind, attenuation, self.flag("shadowless", false), self.class))
     }
 }
 

@@ -76,7 +76,7 @@ fn decode(payload: &str) -> Result<Mesh, String> {
 }
 
 /// The mesh in an object with the fields of a `PolygonMesh`; other classes are welcome to have them too.
-fn polygon_mesh(object: &JavaObject) -> Result<Mesh, String> {
+pub(crate) fn polygon_mesh(object: &JavaObject) -> Result<Mesh, String> {
     let class = &object.class;
     let indices: &[i32] = match object.field("indices") {
         Some(JavaValue::Ints(indices)) => indices,

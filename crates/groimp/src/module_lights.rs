@@ -1,6 +1,6 @@
 //! Lights that modules make in their bodies: `LightNode().(setLight(new SpotLight().(setPower(10))))`.
 
-use crate::lights::{LightValue, share};
+use crate::lights::{LightValue, attenuation, share};
 use crate::modules::{StaticLight, StaticValue};
 use scene::{Emission, LightKind, Rgb};
 use std::f64::consts::PI;
@@ -49,7 +49,12 @@ pub(crate) fn light(light: &StaticLight) -> LightValue {
         _ => return skipped("lights of this class in bodies of modules are not supported"),
     };
     match kind {
-        Some(kind) => LightValue::Light { kind, shadowless: light.flag("shadowless") },
+        Some(kind) => {
+            let (exponent, distance) =
+                (light.number("attenuationExponent", 0.0), light.number("attenuationDistance", 1.0));
+            let attenuation = attenuation(exponent, distance);
+            LightValue::Light { kind, attenuation, shadowless: light.flag("shadowless") }
+        }
         None => skipped("its power is negative or not a number"),
     }
 }

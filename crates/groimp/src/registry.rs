@@ -7,6 +7,9 @@ use std::collections::HashMap;
 /// Directories of resources nest a few levels; deeper ones hold nothing that is asked for.
 const DEEPEST_DIRECTORY: usize = 64;
 
+/// Bytes of the path of a directory; every resource below it holds a copy.
+const LONGEST_DIRECTORY: usize = 1000;
+
 /// The parts of `project.gs` that matter for a picture.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Registry {
@@ -110,7 +113,8 @@ impl Registry {
 
 /// Path of the enclosing directories, as `/project/objects/images`.
 fn directory(path: &[Option<String>]) -> Option<String> {
-    if path.len() > DEEPEST_DIRECTORY {
+    let length = |path: &[Option<String>]| path.iter().flatten().map(|name| 1 + name.len()).sum::<usize>();
+    if path.len() > DEEPEST_DIRECTORY || length(path) > LONGEST_DIRECTORY {
         return None;
     }
     Some(path.iter().flatten().flat_map(|name| ["/", name]).collect())

@@ -2,18 +2,16 @@
 
 use crate::ReadError;
 use crate::channels::{Channels, Mean};
-use crate::fields::{number_of, wrong_value};
-use crate::graph::{Graph, Node, NodeIndex};
+use crate::field_errors::wrong_value;
+use crate::graph::{Graph, NodeIndex};
 use crate::images::Images;
 use crate::modules::StaticShader;
 use crate::output::Output;
+use crate::references::{LONGEST_CHAIN, References};
 use crate::registry::Registry;
 use crate::values::{Kind, Members, Value, parse_number, tokens};
-use scene::{ChannelId, Interior, Material, MaterialId, Phong, Rgb};
+use scene::{ChannelId, Material, MaterialId, Phong, Rgb};
 use std::collections::HashMap;
-
-/// Shaders lead to shaders; a longer chain is a cycle.
-const LONGEST_CHAIN: usize = 64;
 
 /// GRAY among the predefined shaders: what an unknown name and the root of the scene get.
 pub(crate) const GRAY: u32 = 20;
@@ -61,6 +59,7 @@ enum Side {
 pub(crate) struct Shaders<'a> {
     graph: &'a Graph,
     registry: &'a Registry,
+    pub references: References<'a>,
     channels: Channels<'a>,
     by_node: HashMap<(NodeIndex, Option<Side>), Option<MaterialId>>,
     by_value: HashMap<Key, MaterialId>,
@@ -72,6 +71,7 @@ impl<'a> Shaders<'a> {
         Shaders {
             graph,
             registry,
+            references: References { graph, registry },
             channels: Channels::new(graph, registry, images),
             by_node: HashMap::new(),
             by_value: HashMap::new(),
@@ -113,16 +113,17 @@ impl<'a> Shaders<'a> {
         'a: 's,
     {
         let mut source = source;
-        let mut node = None;
+        let mut nodes = Vec::new();
         for _ in 0..LONGEST_CHAIN {
             let step = match source {
                 ShaderSource::Module(shader) => self.module_shader(shader, out)?,
                 ShaderSource::Value(value) => self.value(value, out)?,
                 ShaderSource::Node(index) => {
-                    if let Some(known) = self.by_node.get(&(index, side)) {
-                        return Ok(*known);
+                    if let Some(known) = self.by_node.get(&(index, side)).copied() {
+                        self.by_node.extend(nodes.into_iter().map(|node| ((node, side), known)));
+                        return Ok(known);
                     }
-                    node = node.or(Some(index));
+                    nodes.push(index);
                     let n = self.graph.node(index);
                     self.class(self.graph.type_name(index), n.fields, None, n.line, out)?
                 }
@@ -150,77 +151,12 @@ impl<'a> Shaders<'a> {
                     Some(self.side_switch(front, back, out))
                 }
             };
-            if let Some(node) = node {
-                self.by_node.insert((node, side), material);
-            }
+            // Also those on the way: many may lead to the same shader.
+            self.by_node.extend(nodes.into_iter().map(|node| ((node, side), material)));
             return Ok(material);
         }
         out.report.warn("a shader refers to itself; grey is used instead", None);
         Ok(Some(self.predefined(GRAY, out)))
-    }
-
-    /// The object that a value is or refers to, through names and shared objects; `None` if there is none.
-    pub fn follow<'s>(&self, value: &'s Value) -> Option<Found<'s>>
-    where
-        'a: 's,
-    {
-        let mut value = value;
-        for _ in 0..LONGEST_CHAIN {
-            let node = match value.kind {
-                Kind::Null => return None,
-                Kind::Ref => self.graph.by_id(value.text().parse().ok()?)?,
-                Kind::Shared => self.shared(value.text())?,
-                Kind::Data | Kind::Object | Kind::Array | Kind::Serialized => {
-                    let class = self.graph.values.type_of(value).unwrap_or("");
-                    let found = Found { class, members: value.members, line: value.line };
-                    match self.next(&found) {
-                        Next::Value(next) => value = next,
-                        Next::Nothing => return None,
-                        Next::Node(node) => match self.at_node(node) {
-                            Ok(found) => return Some(found),
-                            Err(next) => value = next?,
-                        },
-                        Next::Arrived => return Some(found),
-                    }
-                    continue;
-                }
-            };
-            match self.at_node(node) {
-                Ok(found) => return Some(found),
-                Err(next) => value = next?,
-            }
-        }
-        None
-    }
-
-    /// The object at a node, or the value that it refers to instead.
-    fn at_node(&self, node: NodeIndex) -> Result<Found<'a>, Option<&'a Value>> {
-        let mut node = node;
-        for _ in 0..LONGEST_CHAIN {
-            let Node { fields, line, .. } = *self.graph.node(node);
-            let found = Found { class: self.graph.type_name(node), members: fields, line };
-            match self.next(&found) {
-                Next::Arrived => return Ok(found),
-                Next::Value(value) => return Err(Some(value)),
-                Next::Node(next) => node = next,
-                Next::Nothing => break,
-            }
-        }
-        Err(None)
-    }
-
-    fn next(&self, found: &Found<'_>) -> Next<'a> {
-        let present = |name| self.graph.values.find(found.members, name).filter(|v| v.kind != Kind::Null);
-        let to = |value: Option<&'a Value>| value.map_or(Next::Nothing, Next::Value);
-        match found.class.rsplit('.').next().unwrap_or("") {
-            "SharedObjectNode" => to(present("object")),
-            "AlgorithmSwitchShader" => to(present("raytracerShader").or(present("guiShader"))),
-            "ShaderRef" | "MaterialRef" => {
-                let named = present("name").and_then(|name| self.named(name.text()));
-                named.map_or(Next::Nothing, Next::Node)
-            }
-            _ => Next::Arrived,
-        }
     }
 
     /// The project's file that a registry path names.
@@ -240,7 +176,7 @@ impl<'a> Shaders<'a> {
         let target = match value.kind {
             Kind::Null => return Ok(Step::Done(None)),
             Kind::Ref => value.text().parse().ok().and_then(|id| self.graph.by_id(id)),
-            Kind::Shared => self.shared(value.text()),
+            Kind::Shared => self.references.shared(value.text()),
             Kind::Data | Kind::Object | Kind::Array | Kind::Serialized => {
                 let class = self.graph.values.type_of(value).unwrap_or("");
                 return self.class(class, value.members, Some(value), value.line, out);
@@ -254,58 +190,8 @@ impl<'a> Shaders<'a> {
         Ok(Step::Done(Some(self.predefined(GRAY, out))))
     }
 
-    /// What fills a body: an `IOR`, in place, as a node or as a shared object; `None` inherits.
-    pub fn interior(&self, value: &Value, out: &mut Output) -> Result<Option<Interior>, ReadError> {
-        let mut found = value;
-        let mut fields = value.members;
-        let mut class = self.graph.values.type_of(value).unwrap_or("");
-        for _ in 0..LONGEST_CHAIN {
-            let node = match found.kind {
-                Kind::Null => return Ok(None),
-                Kind::Ref => found.text().parse().ok().and_then(|id| self.graph.by_id(id)),
-                Kind::Shared => self.shared(found.text()),
-                Kind::Data | Kind::Object | Kind::Array | Kind::Serialized => None,
-            };
-            if let Some(node) = node {
-                (class, fields) = (self.graph.type_name(node), self.graph.node(node).fields);
-            }
-            match self.graph.values.find(fields, "object") {
-                Some(object) if class.ends_with(".SharedObjectNode") => found = object,
-                _ => break,
-            }
-        }
-        if !class.ends_with(".IOR") {
-            let message = format!("the interior of class '{class}' is not known and left out");
-            out.report.warn(message, self.graph.location(value.line));
-            return Ok(None);
-        }
-        let index = match self.graph.values.find(fields, "indexOfRefraction") {
-            Some(value) => number_of(self.graph, value, class, "indexOfRefraction")?,
-            None => 1.0,
-        };
-        if !(index.is_finite() && index > 0.0) {
-            let message = format!("the refractive index {index} is not possible; the interior is left out");
-            out.report.warn(message, self.graph.location(value.line));
-            return Ok(None);
-        }
-        Ok(Some(Interior { refractive_index: index }))
-    }
-
-    /// Node of a shared object: `MetaGraph:#94`, or a path in the registry.
-    fn shared(&self, text: &str) -> Option<NodeIndex> {
-        if let Some((_, id)) = text.split_once(":#") {
-            return self.graph.by_id(id.trim().parse().ok()?);
-        }
-        let path = crate::inline::registry_path(text)?;
-        self.named(path.strip_prefix("/project/objects/3d/shaders/")?)
-    }
-
-    fn named(&self, name: &str) -> Option<NodeIndex> {
-        self.graph.by_id(self.registry.shaders.get(name)?.trim().parse().ok()?)
-    }
-
     fn by_name(&mut self, name: &str, out: &mut Output) -> Step<'a> {
-        if let Some(node) = self.named(name) {
+        if let Some(node) = self.references.named(name) {
             return Step::Follow(ShaderSource::Node(node));
         }
         out.report.warn(format!("the project has no shader '{name}'; grey is used, as in GroIMP"), None);
@@ -468,21 +354,4 @@ enum Step<'a> {
     Done(Option<MaterialId>),
     Follow(ShaderSource<'a>),
     Sides { front: ShaderSource<'a>, back: ShaderSource<'a> },
-}
-
-/// An object of the file.
-pub(crate) struct Found<'a> {
-    /// Empty if the file does not say.
-    pub class: &'a str,
-    pub members: Members,
-    pub line: usize,
-}
-
-/// Where an object leads that stands for another one.
-enum Next<'a> {
-    /// It stands for itself.
-    Arrived,
-    Value(&'a Value),
-    Node(NodeIndex),
-    Nothing,
 }

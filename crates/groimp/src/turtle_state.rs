@@ -1,7 +1,7 @@
 //! What turtle commands hand down to their descendants.
 
 use crate::ReadError;
-use crate::fields::wrong_value;
+use crate::field_errors::wrong_value;
 use crate::graph::Graph;
 use crate::values::parse_number;
 use scene::MaterialId;

@@ -1,5 +1,6 @@
 //! What the node types of a file mean: a class of GroIMP, or a module that extends one.
 
+use crate::Limits;
 use crate::classes::Class;
 use crate::fields::Defaults;
 use crate::graph::Graph;
@@ -7,6 +8,9 @@ use crate::modules::{Place, ResolvedModule, Sources};
 use crate::report::{Location, Report};
 use crate::values::Symbol;
 use std::collections::HashMap;
+
+/// Steps that the declarations of all types of a file may take; a field that gets a value takes at least one.
+const MOST_STEPS: usize = 5_000_000;
 
 /// What a node type means.
 pub(crate) struct Type {
@@ -32,11 +36,12 @@ impl Type {
 pub(crate) struct Types(HashMap<Symbol, Type>);
 
 impl Types {
-    pub fn new(graph: &Graph, sources: &Sources) -> Self {
+    pub fn new(graph: &Graph, sources: &Sources, limits: Limits) -> Self {
         let mut types = HashMap::new();
+        let mut steps_left = limits.body_steps.min(MOST_STEPS);
         for node in &graph.nodes {
             let name = graph.values.name(node.type_name);
-            types.entry(node.type_name).or_insert_with(|| read_type(name, sources));
+            types.entry(node.type_name).or_insert_with(|| read_type(name, sources, &mut steps_left));
         }
         Types(types)
     }
@@ -52,20 +57,27 @@ impl Types {
     }
 }
 
-fn read_type(name: &str, sources: &Sources) -> Type {
+fn read_type(name: &str, sources: &Sources, steps_left: &mut usize) -> Type {
     if let Some(class) = Class::of(name) {
         return Type { class, body: None, defaults: Defaults::new(), notes: Vec::new() };
     }
-    match sources.resolve(name) {
-        Some(module) => {
+    let plain = |message| {
+        let notes = vec![(message, None)];
+        Type { class: Class::Plain, body: None, defaults: Defaults::new(), notes }
+    };
+    if *steps_left == 0 {
+        let message = "the declarations of the modules are too involved; nodes of some types draw nothing";
+        return plain(message.to_owned());
+    }
+    match sources.resolve_within(name, *steps_left) {
+        Some((module, steps)) => {
+            *steps_left = steps_left.saturating_sub(steps);
             let body = sources.place(name).filter(|_| module.has_body);
             module_type(name, module, body)
         }
-        None => {
-            let message =
-                format!("the type '{name}' is not known; its nodes draw nothing, what is below them is kept");
-            Type { class: Class::Plain, body: None, defaults: Defaults::new(), notes: vec![(message, None)] }
-        }
+        None => plain(format!(
+            "the type '{name}' is not known; its nodes draw nothing, what is below them is kept"
+        )),
     }
 }
 

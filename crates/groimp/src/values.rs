@@ -58,6 +58,9 @@ impl Value {
     }
 }
 
+/// Values of a file. A byte of inline syntax can make one, which is a hundred times as large.
+const MOST_VALUES: usize = 16 << 20;
+
 /// All values of a file and the names that occur in it.
 #[derive(Default)]
 pub(crate) struct Values {
@@ -85,11 +88,16 @@ impl Values {
     /// Adds a value that belongs to nothing yet.
     ///
     /// # Panics
-    /// Never on files below 4 GiB, which the limits on entries ensure: a value takes more than one byte there.
+    /// Never, since readers stop when the table [is full](Values::is_full).
     pub fn add(&mut self, value: Value) -> ValueId {
         let id = ValueId(u32::try_from(self.values.len()).expect("fewer than 2^32 values"));
         self.values.push(value);
         id
+    }
+
+    /// Whether there are more values than any file within the limits needs: in XML, a value takes more than 32 bytes.
+    pub fn is_full(&self) -> bool {
+        self.values.len() >= MOST_VALUES
     }
 
     pub fn get(&self, id: ValueId) -> &Value {

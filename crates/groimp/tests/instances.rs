@@ -129,10 +129,17 @@ fn masters_that_contain_instances_nest_and_cycles_are_cut() {
 #[test]
 fn an_instance_of_nothing_and_a_huge_grid_are_reported() {
     let huge = data("xCount", 1e9) + &data("yCount", 1e9);
-    let text = object(1, "Instance3D", "+", "") + &object(2, "GridClonerNode", "+", &huge);
-    let project = read("instances-nothing", &text);
+    let endless = data("xDistance", "Infinity");
+    let text = object(1, "Instance3D", "+", "")
+        + &object(2, "GridClonerNode", "+", &huge)
+        + &object(3, "GridClonerNode", "+", &endless);
+    let limits = groimp::Limits { instances: 1000, ..groimp::Limits::default() };
+    let path = file("instances-nothing", "graph.xml", graph(&text).as_bytes());
+    let project = groimp::read_within(&path, limits).unwrap();
     let reasons: Vec<_> = project.report.skipped.iter().map(|skipped| skipped.reason.as_str()).collect();
-    assert!(reasons[0].contains("no master") && reasons[1].contains("cells"), "{reasons:?}");
+    assert!(reasons[0].contains("no master") && reasons[1].contains("not finite"), "{reasons:?}");
+    assert_eq!(project.scene.instances.len(), limits.instances);
+    assert!(project.report.warnings.iter().any(|warning| warning.message.contains("too many instances")));
 }
 
 #[test]

@@ -132,13 +132,15 @@ pub mod kernel {
         clamp(tau, vec3f(0.0, 0.0, 0.0), vec3f(1.0, 1.0, 1.0))
     }
 
-    /// Undisturbed passage per channel of a surface that a shadow ray crosses.
+    /// Undisturbed passage per channel of a surface that a shadow ray crosses; refracting surfaces let pass nothing
+    /// undisturbed, unless `through_bodies` says that bending shall not count.
     pub fn surface_transmittance<S: SceneAccess + Copy>(
         scene: S,
         material: MaterialRecord,
         at: TexturePoint,
+        through_bodies: bool,
     ) -> Vec3f {
-        if material.refractive_index > 0.0 {
+        if material.refractive_index > 0.0 && !through_bodies {
             return vec3f(0.0, 0.0, 0.0);
         }
         // A loop, so that graphics cards hold the interpreter of channels once.
@@ -162,7 +164,7 @@ pub mod kernel {
         material: MaterialRecord,
         at: TexturePoint,
     ) -> f32 {
-        1.0 - smallest(surface_transmittance::<S>(scene, material, at))
+        1.0 - smallest(surface_transmittance::<S>(scene, material, at, false))
     }
 
     /// The material of one side of a surface.

@@ -23,6 +23,7 @@ pub mod mesh;
 pub mod noise;
 pub mod path;
 pub mod random;
+pub mod raytrace;
 pub mod records;
 pub mod shape;
 pub mod sky;

@@ -18,6 +18,7 @@ pub mod kernel {
     use crate::medium::kernel::*;
     use crate::mesh::kernel::*;
     use crate::random::kernel::*;
+    use crate::raytrace::kernel::*;
     use crate::records::kernel::*;
     use crate::shape::kernel::*;
     use crate::sky::kernel::*;
@@ -208,6 +209,7 @@ pub mod kernel {
         scene: S,
         key: SampleKey,
         depth: u32,
+        background: Vec3f,
         before: PathState,
     ) -> PathState {
         let mut path = before;
@@ -220,6 +222,10 @@ pub mod kernel {
         path.rays += 1;
         if hit.object == NONE {
             path.radiance += path.throughput * escaped_radiance::<S>(scene, path.previous, ray.direction);
+            // The background is seen by the eye and in ideal mirrors, it is no light.
+            if path.previous.pdf <= 0.0 {
+                path.radiance += path.throughput * background_radiance::<S>(scene, background);
+            }
             path.event = EVENT_ESCAPED;
             return path;
         }
@@ -332,12 +338,53 @@ pub mod kernel {
     }
 
     /// Follows one path from the camera to its end.
-    pub fn trace_path<S: SceneAccess + Copy>(scene: S, key: SampleKey, first: Ray, depth: u32) -> PathSample {
+    pub fn trace_path<S: SceneAccess + Copy>(
+        scene: S,
+        key: SampleKey,
+        first: Ray,
+        depth: u32,
+        background: Vec3f,
+    ) -> PathSample {
         let mut path = start_path(first);
         while path.goes_on {
-            path = extend_path::<S>(scene, key, depth, path);
+            path = extend_path::<S>(scene, key, depth, background, path);
         }
         PathSample { radiance: path.radiance, rays: path.rays }
+    }
+
+    /// A sample by the path tracer.
+    pub fn path_sample<S: SceneAccess + Copy>(
+        scene: S,
+        settings: LaunchSettings,
+        key: SampleKey,
+        ray: Ray,
+    ) -> PathSample {
+        trace_path::<S>(scene, key, ray, settings.depth, settings.background)
+    }
+
+    /// A sample by the ray tracer.
+    pub fn ray_sample<S: SceneAccess + Copy>(
+        scene: S,
+        settings: LaunchSettings,
+        key: SampleKey,
+        ray: Ray,
+    ) -> PathSample {
+        let traced = trace_rays::<S>(scene, settings, key, ray);
+        PathSample { radiance: traced.radiance, rays: traced.rays }
+    }
+
+    /// A sample by the renderer of the settings. Graphics cards have a program for each renderer, in which one of
+    /// the two functions above stands in for this one.
+    pub fn trace_sample<S: SceneAccess + Copy>(
+        scene: S,
+        settings: LaunchSettings,
+        key: SampleKey,
+        ray: Ray,
+    ) -> PathSample {
+        if settings.renderer == RENDERER_RAY_TRACER {
+            return ray_sample::<S>(scene, settings, key, ray);
+        }
+        path_sample::<S>(scene, settings, key, ray)
     }
 
     /// Adds samples to a pixel of the picture; `x` and `y` count from the top left.
@@ -360,7 +407,7 @@ pub mod kernel {
             };
             let position = pixel_position(key, settings.grid);
             let ray = camera_ray(header, settings, f32(x) + position.x, f32(y) + position.y);
-            let path = trace_path::<S>(scene, key, ray, settings.depth);
+            let path = trace_sample::<S>(scene, settings, key, ray);
             film.radiance += path.radiance;
             film.squares += path.radiance * path.radiance;
             film.rays += path.rays;

@@ -243,12 +243,13 @@ pub mod kernel {
         /// Area: radiance along the axis in W/(m² sr). Sky, sun: radiance in W/(m² sr). Sky map: radiance of the
         /// colour 1. Physical: power in W.
         pub emission: Vec3f,
-        /// Spot: cosine of the inner angle. Area: exponent. Sun: 1 minus the cosine of half its angular size.
+        /// Spot: cosine of the inner angle. Area: exponent. Physical: attenuation exponent. Sun: 1 minus the cosine of half its angular size.
         /// Group: squared radius of a sphere that holds its lights.
         pub cos_inner: f32,
-        /// Area: half of the base edge. Skies, physical: local x axis.
+        /// Area: half of the base edge. Skies, physical: local x axis. Point, spot: attenuation exponent and
+        /// distance in metres, in x and y.
         pub edge_u: Vec3f,
-        /// Spot: cosine of the outer angle. Area: its area in m². Group: no light reaches points at a larger
+        /// Spot: cosine of the outer angle. Area: its area in m². Physical: attenuation distance in metres. Group: no light reaches points at a larger
         /// angle from the axis, in radians.
         pub cos_outer: f32,
         /// Area: the edge from base to far end. Skies, physical: local y axis.
@@ -291,7 +292,16 @@ pub mod kernel {
         pub lights: u32,
         /// Number of lights infinitely far away, which come first.
         pub distant_lights: u32,
+        /// Ray tracer: irradiance from everywhere in W/m², as the colours of ambient lights say.
+        pub ambient: Vec3f,
+        /// Number of all lights and groups of lights.
+        pub all_lights: u32,
     }
+
+    /// The unbiased solution of the rendering equation.
+    pub const RENDERER_PATH_TRACER: u32 = 0;
+    /// Local illumination with ideal reflection and refraction.
+    pub const RENDERER_RAY_TRACER: u32 = 1;
 
     /// What is the same for one launch; a uniform on the GPU.
     #[repr(C)]
@@ -312,8 +322,17 @@ pub mod kernel {
         pub grid: u32,
         /// Number of surfaces that a path may touch.
         pub depth: u32,
+        /// `RENDERER_PATH_TRACER` or the other.
+        pub renderer: u32,
+        /// Radiance where a ray hits nothing and there is no sky, in W/(m² sr).
+        pub background: Vec3f,
+        /// Ray tracer: shadow rays to every area light and sky, at least 1.
+        pub shadow_samples: u32,
         /// 1 if every pixel says how many samples it is to have; see `launched_samples`.
         pub counted: u32,
+        pub reserved_launch0: u32,
+        pub reserved_launch1: u32,
+        pub reserved_launch2: u32,
     }
 
     /// What is collected for a pixel.
@@ -454,8 +473,8 @@ plain_old_data! {
     MaterialRecord: 16,
     ChannelRecord: 8,
     LightRecord: 24,
-    SceneHeader: 20,
-    LaunchSettings: 12,
+    SceneHeader: 24,
+    LaunchSettings: 20,
     FilmPixel: 8,
     LayerPixel: 16,
 }

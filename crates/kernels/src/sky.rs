@@ -104,6 +104,24 @@ pub mod kernel {
         vec3f(0.0, 0.0, 0.0)
     }
 
+    /// True for lights that surround the whole scene and have extent.
+    pub fn is_sky(kind: u32) -> bool {
+        kind == LIGHT_SKY || kind == LIGHT_SKY_MAP || kind == LIGHT_DAYLIGHT
+    }
+
+    /// The background where nothing is hit: black if there is a sky.
+    pub fn background_radiance<S: SceneAccess + Copy>(scene: S, background: Vec3f) -> Vec3f {
+        let lights = S::header(scene).distant_lights;
+        let mut radiance = background;
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for i in 0..lights {
+            if is_sky(S::light(scene, i).kind) {
+                radiance = vec3f(0.0, 0.0, 0.0);
+            }
+        }
+        radiance
+    }
+
     /// Density with which the uniform sky is sampled in `direction` at a surface: by the cosine, on the side of
     /// `normal` or on both.
     pub fn uniform_sky_pdf(normal: Vec3f, direction: Vec3f, both_sides: bool) -> f32 {

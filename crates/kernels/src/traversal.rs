@@ -30,6 +30,9 @@ pub mod kernel {
     /// A convex shape is hit at most twice by a ray; an open one may show both sides of its inside.
     pub const MAX_HITS_PER_OBJECT: u32 = 4;
 
+    /// In place of the number of a segment: no surface is passed by chance, every one that is not fully clear is hit.
+    pub const EVERY_SURFACE: u32 = 4294967295;
+
     /// Reciprocals that are finite also for rays parallel to an axis.
     pub fn inverse_direction(d: Vec3f) -> Vec3f {
         vec3f(1.0 / away_from_zero(d.x), 1.0 / away_from_zero(d.y), 1.0 / away_from_zero(d.z))
@@ -84,7 +87,7 @@ pub mod kernel {
     }
 
     /// Joins an object to the closest hit so far; `ray` is in the space of the instance, if there is one. Partly
-    /// transparent surfaces are met with the probability of their opacity; the decision depends on the sample, the
+    /// transparent surfaces are met with the probability of their opacity (but see `EVERY_SURFACE`); the decision depends on the sample, the
     /// segment, the instance and the object alone (on the triangle in case of meshes), so that the order in which
     /// objects are visited does not matter.
     pub fn closer_hit<S: SceneAccess + Copy>(
@@ -110,7 +113,7 @@ pub mod kernel {
             let material = material_hit::<S>(scene, shape, ray, hit);
             let at = hit_texture_point::<S>(scene, instance, index, shape, material, ray, hit);
             let opacity = surface_opacity::<S>(scene, material, at);
-            if opacity >= 1.0 {
+            if opacity >= 1.0 || (opacity > 0.0 && segment == EVERY_SURFACE) {
                 return Hit { shape: hit, object: index, instance };
             }
             if opacity > 0.0 {
@@ -235,6 +238,7 @@ pub mod kernel {
         index: u32,
         ray: Ray,
         t_max: f32,
+        through_bodies: bool,
     ) -> Vec3f {
         let shape = S::shape(scene, index);
         let mut passed = vec3f(1.0, 1.0, 1.0);
@@ -250,7 +254,7 @@ pub mod kernel {
             }
             let material = material_hit::<S>(scene, shape, ray, hit);
             let at = hit_texture_point::<S>(scene, instance, index, shape, material, ray, hit);
-            passed *= surface_transmittance::<S>(scene, material, at);
+            passed *= surface_transmittance::<S>(scene, material, at, through_bodies);
             t_min = hit.t;
         }
         passed
@@ -261,8 +265,18 @@ pub mod kernel {
         color.x <= 0.0 && color.y <= 0.0 && color.z <= 0.0
     }
 
-    /// Share of light per channel that passes along a ray up to parameter `t_max`.
+    /// Share of light per channel that passes undisturbed along a ray up to parameter `t_max`.
     pub fn transmittance<S: SceneAccess + Copy>(scene: S, ray: Ray, t_max: f32) -> Vec3f {
+        shadow_transmittance::<S>(scene, ray, t_max, false)
+    }
+
+    /// As `transmittance`; with `through_bodies` refracting bodies let light pass as if they did not bend it.
+    pub fn shadow_transmittance<S: SceneAccess + Copy>(
+        scene: S,
+        ray: Ray,
+        t_max: f32,
+        through_bodies: bool,
+    ) -> Vec3f {
         let header = S::header(scene);
         let mut passed = vec3f(1.0, 1.0, 1.0);
         // As in `closest_hit`, but in any order.
@@ -294,7 +308,8 @@ pub mod kernel {
             }
             #[wgsl_allow(non_literal_loop_bounds)]
             for i in 0..(children.count0 + children.count1) {
-                passed *= object_transmittance::<S>(scene, instance, leaf_object(children, i), local, t_max);
+                let object = leaf_object(children, i);
+                passed *= object_transmittance::<S>(scene, instance, object, local, t_max, through_bodies);
             }
             let descend0 = reached0 && children.count0 == 0u32;
             let descend1 = reached1 && children.count1 == 0u32;

@@ -38,8 +38,11 @@ pub fn render_adaptive(
     let mut done = 0;
     let mut films = Vec::new();
     for half in &halves {
-        films.push(scene.render(half, &|samples| progress(done + samples))?);
-        done += half.total_samples();
+        let mut film = Film::new(half.width, half.height);
+        let batch = Batch { samples: first, ..Batch::whole(half) };
+        scene.add_samples(half, &batch, &mut film.pixels, &|samples| progress(done + samples))?;
+        done += film.pixels.len() as u64 * u64::from(first);
+        films.push(film);
     }
     let wanted: [Vec<u32>; 2] =
         array::from_fn(|half| sample_counts(&films[1 - half], first, per_half - f64::from(first)));

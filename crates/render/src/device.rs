@@ -1,11 +1,12 @@
 //! What every device can do.
 
+use crate::Renderer;
 use crate::{CompiledScene, Film};
 use kernels::records::kernel::{FilmPixel, LaunchSettings, LayerPixel};
 use std::sync::Arc;
 
 /// What to compute.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
     /// Width of the picture in pixels.
     pub width: u32,
@@ -19,6 +20,12 @@ pub struct RenderSettings {
     pub grid: u32,
     /// Another seed gives an independent picture.
     pub seed: u32,
+    /// How light is computed.
+    pub renderer: Renderer,
+    /// Shadow rays of the ray tracer to every area light and sky, at least 1.
+    pub shadow_samples: u32,
+    /// Radiance in W/(m² sr) where nothing is hit and there is no sky. It is seen and lights nothing.
+    pub background: [f32; 3],
     /// Edge in pixels of the squares that the picture is rendered in; `None` for what suits the device. It never
     /// changes the picture.
     pub tile: Option<u32>,
@@ -26,11 +33,25 @@ pub struct RenderSettings {
 
 impl Default for RenderSettings {
     fn default() -> Self {
-        RenderSettings { width: 640, height: 480, samples: 64, depth: 5, grid: 3, seed: 0, tile: None }
+        Self::DEFAULT
     }
 }
 
 impl RenderSettings {
+    /// What users get who ask for nothing else.
+    pub const DEFAULT: Self = RenderSettings {
+        width: 640,
+        height: 480,
+        samples: 64,
+        depth: 5,
+        grid: 3,
+        seed: 0,
+        renderer: Renderer::PathTracer,
+        shadow_samples: 16,
+        background: [0.0; 3],
+        tile: None,
+    };
+
     /// Work to be done, in samples.
     pub fn total_samples(&self) -> u64 {
         u64::from(self.width) * u64::from(self.height) * u64::from(self.samples)
@@ -50,7 +71,13 @@ impl RenderSettings {
             seed: self.seed,
             grid: self.grid.max(1),
             depth: self.depth,
+            renderer: self.renderer.number(),
+            background: wgsl_rs::std::vec3f(self.background[0], self.background[1], self.background[2]),
+            shadow_samples: self.shadow_samples.max(1),
             counted: 0,
+            reserved_launch0: 0,
+            reserved_launch1: 0,
+            reserved_launch2: 0,
         }
     }
 }

@@ -44,7 +44,8 @@ fn path_events(
     let key =
         SampleKey { pixel: y.wrapping_mul(settings.width).wrapping_add(x), sample, seed: settings.seed };
     let position = pixel_position(key, settings.grid.max(1));
-    let first = camera_ray(scene.header, settings.launch(), x as f32 + position.x, y as f32 + position.y);
+    let launch = settings.launch();
+    let first = camera_ray(scene.header, launch, x as f32 + position.x, y as f32 + position.y);
     writeln!(
         text,
         "pixel {x},{y} sample {sample}, through {:.4},{:.4} of the pixel",
@@ -53,7 +54,7 @@ fn path_events(
     let mut path = start_path(first);
     while path.goes_on {
         let hit = closest_hit(slices, path.ray, key, path.segment);
-        let next = extend_path(slices, key, settings.depth, path);
+        let next = extend_path(slices, key, settings.depth, launch.background, path);
         ray_events(text, scene, &path, &hit, &next)?;
         path = next;
     }

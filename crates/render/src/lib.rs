@@ -15,6 +15,7 @@ pub mod gpu;
 mod open;
 mod passes;
 mod picture;
+mod renderer;
 
 pub use bands::{BAND_BYTES, Band, BandStatistics, Sampling, band_rows, render_bands};
 pub use compile::{Acceleration, CompileError, CompiledScene, compile, compile_with};
@@ -22,9 +23,10 @@ pub use device::{Batch, ControlFlow, Device, DeviceError, LoadedScene, Progress,
 pub use events::pixel_events;
 pub use film::{Film, automatic_exposure};
 pub use gpu::{GpuInfo, list_gpus};
-pub use open::{DeviceChoice, automatic_gpu, open_device};
+pub use open::{DeviceChoice, automatic_gpu, open_device, open_device_for};
 pub use passes::{StopRule, relative_noise, render_until};
 pub use picture::{
     BandSink, Layer, Layers, Origins, PictureError, PictureFormat, PictureTarget, RenderError,
     check_writable, stream_picture, write_picture, write_whole_file,
 };
+pub use renderer::Renderer;

@@ -2,7 +2,7 @@
 
 use crate::cpu::Cpu;
 use crate::gpu::{Gpu, GpuInfo};
-use crate::{Device, DeviceError};
+use crate::{Device, DeviceError, Renderer};
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -46,12 +46,25 @@ pub fn automatic_gpu(gpus: &[GpuInfo]) -> Option<usize> {
 /// # Errors
 /// If it is not there or refuses to work. `Auto` falls back to the CPU instead.
 pub fn open_device(choice: DeviceChoice, threads: Option<usize>) -> Result<Box<dyn Device>, DeviceError> {
+    open_device_for(choice, threads, Renderer::default())
+}
+
+/// As [`open_device`], for work with one renderer: `Auto` also falls back to the CPU if the graphics card cannot
+/// run that one.
+///
+/// # Errors
+/// As [`open_device`].
+pub fn open_device_for(
+    choice: DeviceChoice,
+    threads: Option<usize>,
+    renderer: Renderer,
+) -> Result<Box<dyn Device>, DeviceError> {
     match choice {
         DeviceChoice::Cpu => Ok(Box::new(Cpu::new(threads)?)),
         DeviceChoice::Gpu(number) => Ok(Box::new(Arc::new(Gpu::open(number.unwrap_or(0))?))),
         DeviceChoice::Auto => match Gpu::open_automatic() {
-            Some(Ok(gpu)) => Ok(Box::new(Arc::new(gpu))),
-            Some(Err(_)) | None => Ok(Box::new(Cpu::new(threads)?)),
+            Some(Ok(gpu)) if gpu.pipeline(renderer).is_ok() => Ok(Box::new(Arc::new(gpu))),
+            Some(_) | None => Ok(Box::new(Cpu::new(threads)?)),
         },
     }
 }

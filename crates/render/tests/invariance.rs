@@ -7,8 +7,15 @@ use common::*;
 use render::{DeviceChoice, Film, RenderSettings, open_device};
 use scene::{DAffine3, DVec3, Image, LightKind, Phong, Scene, Shape};
 
-const SETTINGS: RenderSettings =
-    RenderSettings { width: 80, height: 60, samples: 8, depth: 4, grid: 3, seed: 5, tile: None };
+const SETTINGS: RenderSettings = RenderSettings {
+    width: 80,
+    height: 60,
+    samples: 8,
+    depth: 4,
+    grid: 3,
+    seed: 5,
+    ..RenderSettings::DEFAULT
+};
 
 fn bytes(film: &Film) -> &[u8] {
     bytemuck::cast_slice(&film.pixels)

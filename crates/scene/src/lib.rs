@@ -28,7 +28,7 @@ pub use glam::{DAffine3, DMat2, DMat3, DVec2, DVec3};
 pub use image::Image;
 pub use instance::{Group, GroupId, Instance};
 pub use java_random::JavaRandom;
-pub use light::{Daylight, Light, LightKind, Sky, SkyRadiance};
+pub use light::{Attenuation, Daylight, Light, LightKind, Sky, SkyRadiance};
 pub use material::{Material, Phong};
 pub use mesh::{Mesh, VisibleSides};
 pub use object::{Emission, Interior, Object, Origin};

@@ -9,10 +9,22 @@ pub struct Light {
     pub kind: LightKind,
     /// Placement; only position and axes matter, scaling does not change the power.
     pub world_from_light: DAffine3,
+    /// How it fades with distance in the ray tracer; of no account for directional lights.
+    pub attenuation: Attenuation,
     /// Lights everything, also what stands behind something else.
     pub shadowless: bool,
     /// Where it comes from.
     pub origin: Origin,
+}
+
+/// How a lamp fades with distance in the ray tracer. In the path tracer light always spreads with the square of
+/// the distance.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Attenuation {
+    /// The higher, the faster; with 0 it does not fade.
+    pub exponent: f64,
+    /// Distance in metres at which the lamp has the strength that it has without fading.
+    pub distance: f64,
 }
 
 /// What a light emits. Powers are in watts per colour channel.

@@ -2,13 +2,18 @@
 //!
 //! Expressions and initialisers are kept as ranges of tokens and evaluated when they are needed.
 
-use super::lexer::{self, Complaint, Kind, Token};
+use super::lexer::{self, Complaint, Kind, MOST_COMPLAINTS, Token};
 use super::parser;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// More complaints about one file would not help anybody.
-pub(super) const MOST_COMPLAINTS: usize = 50;
+/// Bytes of a qualified or nested name; what is longer is cut. Declarations and constants hold copies of the names
+/// around them, so a long one would need memory without end.
+pub(super) const LONGEST_NAME: usize = 256;
+
+/// Tokens between the brackets of type parameters. They are looked for behind every name, so a bracket that is not
+/// closed must not be searched for up to the end of the file each time.
+const LONGEST_GENERICS: usize = 200;
 
 /// A parsed source file.
 pub(super) struct File {
@@ -155,8 +160,10 @@ impl File {
         let mut at = at + 1;
         while self.is(at, ".") {
             let Some(word) = self.word(at + 1) else { break };
-            name.push('.');
-            name.push_str(word);
+            if name.len() < LONGEST_NAME {
+                name.push('.');
+                name.push_str(word);
+            }
             at += 2;
         }
         Some((name, self.after_generics(at)))
@@ -168,7 +175,7 @@ impl File {
             return at;
         }
         let mut depth = 0usize;
-        for i in at..self.tokens.len() {
+        for i in at..self.tokens.len().min(at + LONGEST_GENERICS) {
             if self.is(i, "<") {
                 depth += 1;
             } else if self.is(i, ">") {
@@ -188,7 +195,9 @@ impl File {
     pub fn type_name(&self, at: usize) -> Option<(String, usize)> {
         let (mut name, mut at) = self.qualified(at)?;
         while self.is(at, "[") && self.is(at + 1, "]") {
-            name.push_str("[]");
+            if name.len() < LONGEST_NAME {
+                name.push_str("[]");
+            }
             at += 2;
         }
         Some((name, at))

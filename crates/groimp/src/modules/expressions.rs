@@ -14,19 +14,14 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 const DEEPEST: usize = 60;
-const MOST_STEPS: usize = 50_000;
+/// Steps that the resolution of one module may take.
+pub(super) const MOST_STEPS: usize = 50_000;
 
 /// What limits the evaluation; one for each resolved module and each body.
 pub(super) struct Meter {
     limit: usize,
     steps: Cell<usize>,
     depth: Cell<usize>,
-}
-
-impl Default for Meter {
-    fn default() -> Self {
-        Meter::new(MOST_STEPS)
-    }
 }
 
 impl Meter {
@@ -119,6 +114,7 @@ impl<'a> Scope<'a> {
             return Ok(Value::Number { value: array.len() as f64, integer: true });
         }
         // A constant that is not imported is an error in GroIMP, but may be a matter of versions.
+        self.spend(self.sources.files.len() / 8)?;
         if let Some((file, constant)) = self.sources.constant(self.file, self.owner, path, true) {
             return self.constant(file, constant, path);
         }

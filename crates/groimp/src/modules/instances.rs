@@ -54,6 +54,10 @@ impl<'a> Instance<'a> {
         meter: Rc<Meter>,
         mode: Mode,
     ) -> Self {
+        // What is made anew for each instance, whether or not an expression has to be evaluated for it.
+        let parts = |d: &Declaration| d.methods.len() + d.members.len() + d.parameters.len();
+        let levels_above = chain.len().saturating_sub(1);
+        meter.spend(levels_above + chain.iter().map(|level| parts(level.declaration)).sum::<usize>());
         Instance {
             sources,
             class,

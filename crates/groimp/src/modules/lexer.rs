@@ -3,8 +3,6 @@
 //! The lexer accepts any input: what is no token of the language is dropped, with a problem in the
 //! list. Only the operators that the parser has to tell apart are more than one character long.
 
-use std::collections::VecDeque;
-
 /// What a token is.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Kind {
@@ -27,6 +25,18 @@ pub(super) struct Token {
 
 /// A place that could not be understood: line and message.
 pub(super) type Complaint = (usize, String);
+
+/// More complaints about one file would not help anybody.
+pub(super) const MOST_COMPLAINTS: usize = 50;
+
+/// Names are copied where they are used, so their length in bytes has to be bounded.
+const LONGEST_WORD: usize = 128;
+
+fn complain(complaints: &mut Vec<Complaint>, line: usize, message: impl FnOnce() -> String) {
+    if complaints.len() < MOST_COMPLAINTS {
+        complaints.push((line, message()));
+    }
+}
 
 /// Longest first, so that a prefix never wins.
 const SYMBOLS: [&str; 52] = [
@@ -63,7 +73,7 @@ impl<'a> Lexer<'a> {
                     self.take(end + 4);
                 }
                 None => {
-                    self.complaints.push((line, "a comment is not closed".into()));
+                    complain(&mut self.complaints, line, || "a comment is not closed".into());
                     self.take(self.rest.len());
                 }
             }
@@ -73,8 +83,14 @@ impl<'a> Lexer<'a> {
             self.take(if pair { 2 } else { first.len_utf8() });
         } else if first.is_alphabetic() || first == '_' {
             let end = self.rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(self.rest.len());
-            let word = self.take(end).to_owned();
-            self.push(line, Kind::Word(word));
+            let word = self.take(end);
+            if word.len() <= LONGEST_WORD {
+                self.push(line, Kind::Word(word.to_owned()));
+            } else {
+                complain(&mut self.complaints, line, || {
+                    format!("a name of more than {LONGEST_WORD} bytes is left out")
+                });
+            }
         } else if first.is_ascii_digit()
             || (first == '.' && self.rest[1..].starts_with(|c: char| c.is_ascii_digit()))
         {
@@ -85,7 +101,7 @@ impl<'a> Lexer<'a> {
             self.take(symbol.len());
             self.push(line, Kind::Symbol(symbol));
         } else {
-            self.complaints.push((line, format!("the character {first:?} is not expected here")));
+            complain(&mut self.complaints, line, || format!("the character {first:?} is not expected here"));
             self.take(first.len_utf8());
         }
         true
@@ -156,14 +172,19 @@ impl<'a> Lexer<'a> {
         }
         match text.parse::<f64>() {
             Ok(value) => self.push(line, Kind::Number { value, integer: !real }),
-            Err(_) => self.complaints.push((line, format!("{text:?} is not a number"))),
+            Err(_) => self.no_number(line, &text),
         }
+    }
+
+    fn no_number(&mut self, line: usize, text: &str) {
+        let start: String = text.chars().take(40).collect();
+        complain(&mut self.complaints, line, || format!("{start:?} is not a number"));
     }
 
     fn integer(&mut self, line: usize, digits: &str, radix: u32) {
         match u64::from_str_radix(digits, radix) {
             Ok(value) => self.push(line, Kind::Number { value: value as f64, integer: true }),
-            Err(_) => self.complaints.push((line, format!("{digits:?} is not a number"))),
+            Err(_) => self.no_number(line, digits),
         }
     }
 
@@ -172,41 +193,42 @@ impl<'a> Lexer<'a> {
         let line = self.line;
         let mut text = String::new();
         // No literal reaches past its line; looking no further keeps many unclosed quotes cheap.
-        let in_line = self.rest[1..].char_indices().take_while(|(_, c)| !matches!(c, '\n' | '\r'));
-        let mut characters: VecDeque<(usize, char)> = in_line.collect();
-        let mut end = None;
-        while let Some((at, c)) = characters.pop_front() {
+        let in_line = |c: &char| !matches!(c, '\n' | '\r');
+        let mut characters = self.rest[1..].chars();
+        let mut closed = false;
+        while let Some(c) = characters.clone().next().filter(in_line) {
+            characters.next();
             if c == quote {
-                end = Some(at + 2);
+                closed = true;
                 break;
             }
             if c != '\\' {
                 text.push(c);
                 continue;
             }
-            match characters.pop_front().map(|(_, c)| c) {
-                Some('n') => text.push('\n'),
-                Some('t') => text.push('\t'),
-                Some('r') => text.push('\r'),
-                Some('u') => {
-                    let digits: String = characters.iter().take(4).map(|(_, c)| *c).collect();
+            let Some(escaped) = characters.clone().next().filter(in_line) else { break };
+            characters.next();
+            match escaped {
+                'n' => text.push('\n'),
+                't' => text.push('\t'),
+                'r' => text.push('\r'),
+                'u' => {
+                    let digits: String = characters.clone().take(4).take_while(in_line).collect();
                     match u32::from_str_radix(&digits, 16).ok().and_then(char::from_u32) {
                         Some(c) => {
                             text.push(c);
-                            characters.drain(..digits.chars().count());
+                            characters = characters.as_str()[digits.len()..].chars();
                         }
                         None => text.push('u'),
                     }
                 }
-                Some(c) => text.push(c),
-                None => {}
+                c => text.push(c),
             }
         }
-        let closed = end.is_some();
-        let end = end.unwrap_or_else(|| self.rest.find(['\n', '\r']).unwrap_or(self.rest.len()));
+        let end = self.rest.len() - characters.as_str().len();
         self.take(end);
         if !closed {
-            self.complaints.push((line, "a text in quotes is not closed".into()));
+            complain(&mut self.complaints, line, || "a text in quotes is not closed".into());
         }
         if quote == '"' {
             self.push(line, Kind::Text(text));
@@ -233,7 +255,7 @@ pub(super) fn partners(tokens: &[Token]) -> (Vec<usize>, Vec<Complaint>) {
         } else if let Some(which) = CLOSERS.iter().position(|s| *s == symbol) {
             // Without this count a long row of wrong brackets would search the stack every time.
             if count[which] == 0 {
-                complaints.push((token.line, format!("'{symbol}' closes nothing")));
+                complain(&mut complaints, token.line, || format!("'{symbol}' closes nothing"));
                 continue;
             }
             while let Some((start, kind)) = open.pop() {
@@ -243,13 +265,13 @@ pub(super) fn partners(tokens: &[Token]) -> (Vec<usize>, Vec<Complaint>) {
                     break;
                 }
                 partner[start] = start;
-                complaints.push((tokens[start].line, format!("'{}' is missing", CLOSERS[kind])));
+                complain(&mut complaints, tokens[start].line, || format!("'{}' is missing", CLOSERS[kind]));
             }
         }
     }
     for (start, kind) in open {
         partner[start] = start;
-        complaints.push((tokens[start].line, format!("'{}' is missing", CLOSERS[kind])));
+        complain(&mut complaints, tokens[start].line, || format!("'{}' is missing", CLOSERS[kind]));
     }
     (partner, complaints)
 }

@@ -23,7 +23,7 @@ mod values;
 mod with_blocks;
 
 use declarations::{Constant, Declaration, File};
-use expressions::Meter;
+use expressions::{MOST_STEPS, Meter};
 use instances::{Instance, Level};
 use statements::Mode;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -148,6 +148,8 @@ pub enum StaticChannel {
 pub struct Sources {
     files: Vec<File>,
     by_base_name: HashMap<String, Vec<usize>>,
+    /// For each file those that it imports, wholly or in part.
+    imported: Vec<Vec<usize>>,
     /// File and index of a declaration by node type.
     by_type: HashMap<String, (usize, usize)>,
     problems: Vec<Problem>,
@@ -165,8 +167,13 @@ impl Sources {
     /// Reads the declarations. Never fails: what cannot be understood is listed in [`Sources::problems`].
     pub fn parse(files: &[SourceFile]) -> Sources {
         let files: Vec<File> = files.iter().map(|file| File::parse(&file.path, &file.text)).collect();
-        let mut sources =
-            Sources { files, by_base_name: HashMap::new(), by_type: HashMap::new(), problems: Vec::new() };
+        let mut sources = Sources {
+            files,
+            by_base_name: HashMap::new(),
+            imported: Vec::new(),
+            by_type: HashMap::new(),
+            problems: Vec::new(),
+        };
         for (index, file) in sources.files.iter().enumerate() {
             sources.by_base_name.entry(file.base_name.clone()).or_default().push(index);
             for (name, declaration) in &file.by_name {
@@ -178,6 +185,7 @@ impl Sources {
                 message: message.clone(),
             }));
         }
+        sources.imported = (0..sources.files.len()).map(|file| sources.imports_of(file)).collect();
         sources
     }
 
@@ -188,11 +196,20 @@ impl Sources {
 
     /// Resolves a node type such as `test$Leaf`; None if there is no such declaration.
     pub fn resolve(&self, type_name: &str) -> Option<ResolvedModule> {
+        self.resolve_within(type_name, MOST_STEPS).map(|(module, _)| module)
+    }
+
+    /// As [`Sources::resolve`] with at most that many steps of evaluation; also how many it were.
+    pub(crate) fn resolve_within(
+        &self,
+        type_name: &str,
+        most_steps: usize,
+    ) -> Option<(ResolvedModule, usize)> {
         let start = self.place(type_name)?;
         let Chain { base, levels, mut unresolved } = self.chain(start);
         let has_body = levels.iter().any(|level| level.declaration.body.is_some());
-        let mut instance =
-            Instance::new(self, &base, &levels, Rc::new(Meter::default()), Mode::Representative);
+        let meter = Rc::new(Meter::new(most_steps.min(MOST_STEPS)));
+        let mut instance = Instance::new(self, &base, &levels, meter.clone(), Mode::Representative);
         instance.build(&levels, Vec::new());
         let notes = instance.notes.iter();
         unresolved.extend(notes.map(|note| format!("{}:{}: {}", note.file, note.line, note.message)));
@@ -200,7 +217,14 @@ impl Sources {
         let defaults = fields.map(|(field, value)| FieldDefault { field, value }).collect();
         let declaration = &self.files[start.0].declarations[start.1];
         let declared_at = (self.files[start.0].path.clone(), declaration.line);
-        Some(ResolvedModule { base, defaults, has_body, declared_at, unresolved })
+        Some((ResolvedModule { base, defaults, has_body, declared_at, unresolved }, meter.steps()))
+    }
+
+    /// All node types that are declared, in alphabetical order.
+    pub(crate) fn type_names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.by_type.keys().map(String::as_str).collect();
+        names.sort_unstable();
+        names
     }
 
     /// The declaration of a node type.
@@ -268,7 +292,7 @@ impl Sources {
         let simple = name.rsplit('.').next().unwrap_or(name);
         let declared =
             |file: usize| self.files[file].by_name.get(&nested).map(|i| Class::Declared((file, *i)));
-        if let Some(class) = self.imported(file).into_iter().find_map(declared) {
+        if let Some(class) = self.imported[file].iter().copied().find_map(declared) {
             return class;
         }
         // A single class that is imported hides a built-in one of the same name.
@@ -284,15 +308,11 @@ impl Sources {
     }
 
     /// The files that a file imports, wholly or in part.
-    fn imported(&self, file: usize) -> Vec<usize> {
+    fn imports_of(&self, file: usize) -> Vec<usize> {
         let parts = self.files[file].imports.iter().flat_map(|import| import.split('.').rev().take(2));
-        let mut files = Vec::new();
-        for index in parts.filter_map(|part| self.by_base_name.get(part)).flatten() {
-            if *index != file && !files.contains(index) {
-                files.push(*index);
-            }
-        }
-        files
+        let mut seen = HashSet::new();
+        let named = parts.filter(|part| seen.insert(*part)).filter_map(|part| self.by_base_name.get(part));
+        named.flatten().copied().filter(|index| *index != file).collect()
     }
 
     /// The constant that a name means in a declaration, and its file; in this and the imported files, or in
@@ -320,7 +340,7 @@ impl Sources {
         if others {
             return (0..self.files.len()).find_map(within);
         }
-        within(file).or_else(|| self.imported(file).into_iter().find_map(within))
+        within(file).or_else(|| self.imported[file].iter().copied().find_map(within))
     }
 }
 

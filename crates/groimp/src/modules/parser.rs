@@ -3,12 +3,18 @@
 //! Only the member level of classes is parsed; method bodies, rule blocks and expressions are skipped by
 //! their brackets.
 
-use super::declarations::{Base, Constant, Declaration, File, MOST_COMPLAINTS, Member, Parameter};
-use super::lexer::Complaint;
+use super::declarations::{Base, Constant, Declaration, File, LONGEST_NAME, Member, Parameter};
+use super::lexer::{Complaint, MOST_COMPLAINTS};
 use std::ops::Range;
 
 /// Nested names contain those of all enclosing declarations, so their length has to be bounded.
 const DEEPEST_NESTING: usize = 50;
+
+/// Imports of a file that count; they are searched for every class name.
+const MOST_IMPORTS: usize = 256;
+
+/// Constants of one name in a file, in different declarations; they are searched wherever the name is used.
+const MOST_NAMESAKES: usize = 256;
 
 /// Adds the declarations to a file that has its tokens; the result is the package.
 pub(super) fn parse(file: &mut File, complaints: &mut Vec<Complaint>) -> String {
@@ -131,7 +137,11 @@ impl Parser<'_> {
             if self.file.is(end, ".") && self.file.is(end + 1, "*") {
                 name.push_str(".*");
             }
-            self.file.imports.push(name);
+            if self.file.imports.len() < MOST_IMPORTS {
+                self.file.imports.push(name);
+            } else {
+                self.complain(self.at, format!("more than {MOST_IMPORTS} imports are not followed"));
+            }
         }
         self.skip_statement();
     }
@@ -204,7 +214,8 @@ impl Parser<'_> {
         self.file.declarations.push(declaration);
         if self.file.is(self.at, "{") {
             let body = self.file.inside(self.at);
-            if self.open.len() < DEEPEST_NESTING {
+            let short = self.file.declarations[index].full_name.len() < LONGEST_NAME;
+            if self.open.len() < DEEPEST_NESTING && short {
                 self.open.push((index, body.end));
                 self.at = body.start;
             } else {
@@ -337,7 +348,10 @@ impl Parser<'_> {
                 let owner = owner.map(|owner| self.file.declarations[owner].full_name.clone());
                 let owner = owner.unwrap_or_default();
                 let constant = Constant { owner, kind, fixed: modifiers.is_fixed, value };
-                self.file.constants.entry(name).or_default().push(constant);
+                let namesakes = self.file.constants.entry(name).or_default();
+                if namesakes.len() < MOST_NAMESAKES {
+                    namesakes.push(constant);
+                }
             }
             (_, None) => {}
         }

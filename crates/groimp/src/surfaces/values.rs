@@ -4,7 +4,8 @@
 //! shared.
 
 use crate::ReadError;
-use crate::fields::{Field, Fields, number_of, wrong_value};
+use crate::field_errors::{number_of, wrong_value};
+use crate::fields::{Field, Fields};
 use crate::graph::Graph;
 use crate::values::{Kind, Members, Value, parse_number, tokens};
 

@@ -35,6 +35,8 @@ pub(super) fn compile_camera(
         nodes: 0,
         lights: 0,
         distant_lights: 0,
+        ambient: wgsl_rs::std::vec3f(0.0, 0.0, 0.0),
+        all_lights: 0,
     })
 }
 

@@ -5,7 +5,10 @@ use kernels::records::kernel::{
     LIGHT_AREA, LIGHT_DAYLIGHT, LIGHT_DIRECTIONAL, LIGHT_PHYSICAL, LIGHT_POINT, LIGHT_SKY, LIGHT_SKY_MAP,
     LIGHT_SPOT, LIGHT_SUN, LightRecord, NONE,
 };
-use scene::{DAffine3, DVec3, Distribution, Emission, LightKind, Rgb, Scene, Shape, Sky, SkyRadiance};
+use scene::{
+    Attenuation, DAffine3, DVec3, Distribution, Emission, Light, LightKind, Rgb, Scene, Shape, Sky,
+    SkyRadiance,
+};
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -57,7 +60,7 @@ pub(super) fn compile_lights(scene: &Scene, local_from_world: &DAffine3, channel
     let mut placed = Vec::new();
     for light in &scene.lights {
         let local_from_light = *local_from_world * light.world_from_light;
-        let (record, limit) = bodiless(&light.kind, &local_from_light, light.shadowless, &mut tables);
+        let (record, limit) = bodiless(light, &local_from_light, &mut tables);
         if record.kind == LIGHT_DIRECTIONAL {
             records.push(record);
         } else {
@@ -88,20 +91,17 @@ pub(super) fn compile_lights(scene: &Scene, local_from_world: &DAffine3, channel
 }
 
 /// A light without a body, and the largest angle from its axis at which it shines.
-fn bodiless(
-    kind: &LightKind,
-    local_from_light: &DAffine3,
-    shadowless: bool,
-    tables: &mut Tables,
-) -> (LightRecord, f64) {
+fn bodiless(light: &Light, local_from_light: &DAffine3, tables: &mut Tables) -> (LightRecord, f64) {
+    let Attenuation { exponent, distance } = light.attenuation;
     let axis = local_from_light.transform_vector3(DVec3::Z).normalize_or(DVec3::Z);
     let placed = LightRecord {
         position: vector(local_from_light.translation),
         axis: vector(axis),
-        shadowless: u32::from(shadowless),
+        shadowless: u32::from(light.shadowless),
+        edge_u: vector(DVec3::new(exponent, distance, 0.0)),
         ..dark(LIGHT_POINT)
     };
-    match kind {
+    match &light.kind {
         LightKind::Point { power } => {
             let intensity = power.map(|p| p / (4.0 * PI));
             let record =
@@ -137,6 +137,8 @@ fn bodiless(
                 kind: LIGHT_PHYSICAL,
                 emission: rgb(*power),
                 importance: (luminance(*power) * distribution.max_density()) as f32,
+                cos_inner: exponent as f32,
+                cos_outer: distance as f32,
                 first: tables.start_of(distribution),
                 count: size(distribution.columns(), distribution.rows()),
                 ..with_axes(placed, local_from_light)

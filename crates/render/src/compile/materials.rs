@@ -136,8 +136,8 @@ impl Materials {
         }
         let refractive_index = interior.refractive_index as f32;
         self.records.push(MaterialRecord { refractive_index, ..self.records[material.index()] });
-        // Light that is refracted does not pass undisturbed.
-        self.not_opaque.push(false);
+        // What is refracted does not pass undisturbed, but the ray tracer's shadow rays do not tell.
+        self.not_opaque.push(self.not_opaque[material.index()]);
         let record = count(self.records.len() - 1);
         self.filled.insert(key, record);
         record

@@ -187,6 +187,8 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
     header.nodes = count(hierarchy.nodes.len());
     header.lights = lights.top;
     header.distant_lights = lights.distant;
+    header.all_lights = count(lights.records.len());
+    header.ambient = vector(DVec3::from(scene.ambient));
 
     let mut compiled = CompiledScene {
         header,

@@ -8,7 +8,7 @@ mod tile;
 
 pub use adapters::{GpuInfo, list_gpus};
 
-use crate::{CompiledScene, Device, DeviceError, LoadedScene};
+use crate::{CompiledScene, Device, DeviceError, LoadedScene, Renderer};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A graphics card.
@@ -16,12 +16,12 @@ pub struct Gpu {
     name: String,
     device: wgpu::Device,
     queue: wgpu::Queue,
-    module: wgpu::ShaderModule,
-    /// What the kernels are bound to, the same for all pipelines: header, settings, tables, film.
-    layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::ComputePipeline,
+    /// A program for each renderer, compiled when it is first used.
+    pipelines: [OnceLock<wgpu::ComputePipeline>; 2],
     /// Compiled when it is first needed: most pictures have no layers.
     layers_pipeline: OnceLock<wgpu::ComputePipeline>,
+    /// What the kernels are bound to, the same for all pipelines: header, settings, tables, film.
+    layout: wgpu::BindGroupLayout,
     /// What went wrong since the last look; filled by the driver at any time.
     errors: Arc<ErrorLog>,
     /// A rasteriser in software is slow and must be given small pieces of work.
@@ -47,7 +47,7 @@ impl Gpu {
     /// Opens an adapter by its number in [`list_gpus`].
     ///
     /// # Errors
-    /// If there is no such adapter or it refuses to run the kernels.
+    /// If there is no such adapter or it refuses to work.
     pub fn open(index: usize) -> Result<Self, DeviceError> {
         let adapters = adapters::all();
         match adapters.get(index) {
@@ -88,36 +88,60 @@ impl Gpu {
             }
         });
 
-        let source = shader::source().map_err(|reason| failed("preparing the kernels", reason))?;
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("kernels"),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
         let layout = bind_group_layout(&device);
-        let pipeline = compute_pipeline(&device, &layout, &module, "path tracer", "render_tile");
-        if let Some(reason) = errors.take() {
-            return Err(failed("compiling the kernels", reason));
-        }
         Ok(Gpu {
             name: format!("{} ({})", info.name, info.backend),
             device,
             queue,
-            module,
-            layout,
-            pipeline,
+            pipelines: Default::default(),
             layers_pipeline: OnceLock::new(),
+            layout,
             errors,
             is_software: info.is_software,
         })
     }
 
-    /// The pipeline of the layers.
+    /// The program of a renderer.
+    pub(crate) fn pipeline(&self, renderer: Renderer) -> Result<&wgpu::ComputePipeline, DeviceError> {
+        self.compiled(&self.pipelines[renderer.index()], renderer.name(), renderer, "render_tile")
+    }
+
+    /// The program of the layers, which are the same for all renderers.
     fn layers_pipeline(&self) -> Result<&wgpu::ComputePipeline, DeviceError> {
-        let pipeline = self.layers_pipeline.get_or_init(|| {
-            compute_pipeline(&self.device, &self.layout, &self.module, "layers", "render_layers")
+        self.compiled(&self.layers_pipeline, "layers", Renderer::PathTracer, "render_layers")
+    }
+
+    fn compiled<'a>(
+        &self,
+        known: &'a OnceLock<wgpu::ComputePipeline>,
+        label: &'static str,
+        renderer: Renderer,
+        entry_point: &'static str,
+    ) -> Result<&'a wgpu::ComputePipeline, DeviceError> {
+        if let Some(pipeline) = known.get() {
+            return Ok(pipeline);
+        }
+        let source =
+            shader::source(renderer).map_err(|reason| self.failed("preparing the kernels", reason))?;
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(label),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
         });
-        self.check("compiling the kernels of the layers")?;
-        Ok(pipeline)
+        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(label),
+            bind_group_layouts: &[Some(&self.layout)],
+            ..Default::default()
+        });
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(label),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some(entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        self.check("compiling the kernels")?;
+        Ok(known.get_or_init(|| pipeline))
     }
 
     fn check(&self, doing: &'static str) -> Result<(), DeviceError> {
@@ -137,7 +161,10 @@ impl Gpu {
 /// # Errors
 /// If they cannot be written in WGSL; the tests exclude it.
 pub fn kernel_sources() -> Result<Vec<(&'static str, String)>, String> {
-    Ok(vec![("path_tracer.wgsl", shader::source()?)])
+    [(Renderer::PathTracer, "path_tracer.wgsl"), (Renderer::RayTracer, "ray_tracer.wgsl")]
+        .into_iter()
+        .map(|(renderer, name)| Ok((name, shader::source(renderer)?)))
+        .collect()
 }
 
 /// Bindings 0 and 1 are uniforms, then seven tables that are read, then the film that is written. Explicit, because
@@ -162,28 +189,6 @@ fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("scene and tile"),
         entries: &entries,
-    })
-}
-
-fn compute_pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    module: &wgpu::ShaderModule,
-    label: &'static str,
-    entry_point: &'static str,
-) -> wgpu::ComputePipeline {
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("kernels"),
-        bind_group_layouts: &[Some(layout)],
-        ..Default::default()
-    });
-    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(label),
-        layout: Some(&layout),
-        module,
-        entry_point: Some(entry_point),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
     })
 }
 

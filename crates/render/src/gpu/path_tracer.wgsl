@@ -142,8 +142,12 @@ struct SceneHeader {
     unbounded_objects: u32,
     nodes: u32,
     lights: u32,
-    distant_lights: u32
+    distant_lights: u32,
+    ambient: vec3f,
+    all_lights: u32
 }
+const RENDERER_PATH_TRACER: u32 = 0u;
+const RENDERER_RAY_TRACER: u32 = 1u;
 
 struct LaunchSettings {
     width: u32,
@@ -157,7 +161,13 @@ struct LaunchSettings {
     seed: u32,
     grid: u32,
     depth: u32,
-    counted: u32
+    renderer: u32,
+    background: vec3f,
+    shadow_samples: u32,
+    counted: u32,
+    reserved_launch0: u32,
+    reserved_launch1: u32,
+    reserved_launch2: u32
 }
 
 struct FilmPixel {
@@ -1727,11 +1737,11 @@ fn sided_material_Buffers(scene: Buffers, index: u32, front: bool) -> MaterialRe
 }
 
 fn surface_opacity_Buffers(scene: Buffers, material: MaterialRecord, at: TexturePoint) -> f32 {
-    return (1.0 - smallest(surface_transmittance_Buffers(scene, material, at)));
+    return (1.0 - smallest(surface_transmittance_Buffers(scene, material, at, false)));
 }
 
-fn surface_transmittance_Buffers(scene: Buffers, material: MaterialRecord, at: TexturePoint) -> vec3f {
-    if (material.refractive_index > 0.0) {
+fn surface_transmittance_Buffers(scene: Buffers, material: MaterialRecord, at: TexturePoint, through_bodies: bool) -> vec3f {
+    if ((material.refractive_index > 0.0) && !through_bodies) {
         return vec3f(0.0, 0.0, 0.0);
     }
     let zero = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -1751,6 +1761,7 @@ struct Hit {
 }
 const MAX_BVH_DEPTH: u32 = 48u;
 const MAX_HITS_PER_OBJECT: u32 = 4u;
+const EVERY_SURFACE: u32 = 4294967295u;
 
 fn inverse_direction(d: vec3f) -> vec3f {
     return vec3f((1.0 / away_from_zero(d.x)), (1.0 / away_from_zero(d.y)), (1.0 / away_from_zero(d.z)));
@@ -1813,7 +1824,7 @@ fn closer_hit_Buffers(
         let material = material_hit_Buffers(scene, shape, ray, hit);
         let at = hit_texture_point_Buffers(scene, instance, index, shape, material, ray, hit);
         let opacity = surface_opacity_Buffers(scene, material, at);
-        if (opacity >= 1.0) {
+        if ((opacity >= 1.0) || ((opacity > 0.0) && (segment == EVERY_SURFACE))) {
             return Hit(hit, index, instance);
         }
         if (opacity > 0.0) {
@@ -1925,6 +1936,7 @@ fn object_transmittance_Buffers(
     index: u32,
     ray: Ray,
     t_max: f32,
+    through_bodies: bool,
 ) -> vec3f {
     let shape = Buffers_shape(scene, index);
     var passed = vec3f(1.0, 1.0, 1.0);
@@ -1939,13 +1951,13 @@ fn object_transmittance_Buffers(
         }
         let material = material_hit_Buffers(scene, shape, ray, hit);
         let at = hit_texture_point_Buffers(scene, instance, index, shape, material, ray, hit);
-        passed *= surface_transmittance_Buffers(scene, material, at);
+        passed *= surface_transmittance_Buffers(scene, material, at, through_bodies);
         t_min = hit.t;
     }
     return passed;
 }
 
-fn transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32) -> vec3f {
+fn shadow_transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32, through_bodies: bool) -> vec3f {
     let header = Buffers_header(scene);
     var passed = vec3f(1.0, 1.0, 1.0);
     var instance = NONE;
@@ -1975,7 +1987,8 @@ fn transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32) -> vec3f {
             children = reached_leaves(node, reached0, reached1);
         }
         for (var i = 0u; i < (children.count0 + children.count1); i++) {
-            passed *= object_transmittance_Buffers(scene, instance, leaf_object(children, i), local, t_max);
+            let object = leaf_object(children, i);
+            passed *= object_transmittance_Buffers(scene, instance, object, local, t_max, through_bodies);
         }
         let descend0 = (reached0 && (children.count0 == 0u));
         let descend1 = (reached1 && (children.count1 == 0u));
@@ -2007,6 +2020,10 @@ fn transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32) -> vec3f {
     return passed;
 }
 
+fn transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32) -> vec3f {
+    return shadow_transmittance_Buffers(scene, ray, t_max, false);
+}
+
 struct SkyDirection {
     direction: vec3f,
     pdf: f32
@@ -2034,6 +2051,10 @@ fn rgb_from_xyz(xyz: vec3f) -> vec3f {
 fn is_in_sun(light: LightRecord, direction: vec3f) -> bool {
     let chord = (direction + light.axis);
     return (dot(chord, chord) <= (2.0 * light.cos_inner));
+}
+
+fn is_sky(kind: u32) -> bool {
+    return (((kind == LIGHT_SKY) || (kind == LIGHT_SKY_MAP)) || (kind == LIGHT_DAYLIGHT));
 }
 
 fn uniform_sky_pdf(normal: vec3f, direction: vec3f, both_sides: bool) -> f32 {
@@ -2069,6 +2090,17 @@ fn sample_sun(light: LightRecord, u: vec2f) -> SkyDirection {
     let phi = (TWO_PI * u.y);
     let local = vec3f((cos(phi) * sine), (sin(phi) * sine), (1.0 - versine));
     return SkyDirection(around_axis(-light.axis, local), sun_pdf(light));
+}
+
+fn background_radiance_Buffers(scene: Buffers, background: vec3f) -> vec3f {
+    let lights = Buffers_header(scene).distant_lights;
+    var radiance = background;
+    for (var i = 0u; i < lights; i++) {
+        if is_sky(Buffers_light(scene, i).kind) {
+            radiance = vec3f(0.0, 0.0, 0.0);
+        }
+    }
+    return radiance;
 }
 
 fn daylight_radiance_Buffers(scene: Buffers, program: u32, local: vec3f) -> vec3f {
@@ -2165,112 +2197,6 @@ fn table_pdf_Buffers(scene: Buffers, light: LightRecord, direction: vec3f) -> f3
     let row = min(u32((max((0.5 * (1.0 - local.z)), 0.0) * f32(rows))), (rows - 1u));
     let column = min(u32((turn_fraction(local) * f32(columns))), (columns - 1u));
     return Buffers_attribute(scene, (((light.first + rows) + (row * columns)) + column)).z;
-}
-
-struct LightChoice {
-    index: u32,
-    probability: f32
-}
-
-fn group_importance(group: LightRecord, point: vec3f) -> f32 {
-    let way = (point - group.position);
-    let squared = dot(way, way);
-    if ((group.cos_outer < 3.1) && (squared > group.cos_inner)) {
-        let distance = sqrt(squared);
-        let angle = acos(clamp((dot(way, group.axis) / distance), -1.0, 1.0));
-        let spread = asin(clamp((sqrt(group.cos_inner) / distance), 0.0, 1.0));
-        if ((angle - spread) > group.cos_outer) {
-            return 0.0;
-        }
-    }
-    return (group.importance / max(max(squared, (0.25 * group.cos_inner)), 1.0e-20));
-}
-
-fn light_importance(light: LightRecord, point: vec3f) -> f32 {
-    if (light.kind == LIGHT_GROUP) {
-        return group_importance(light, point);
-    }
-    if (light.kind == LIGHT_AREA) {
-        let from_light = (point - (light.position + (light.edge_v * 0.5)));
-        if (dot(from_light, light.axis) <= 0.0) {
-            return 0.0;
-        }
-        return (light.importance / (dot(from_light, from_light) + light.cos_outer));
-    }
-    if (((light.kind == LIGHT_POINT) || (light.kind == LIGHT_SPOT)) || (light.kind == LIGHT_PHYSICAL)) {
-        let from_light = (point - light.position);
-        let squared = max(dot(from_light, from_light), 1.0e-20);
-        if ((light.kind == LIGHT_SPOT) && (dot(from_light, light.axis) <= (light.cos_outer * sqrt(squared)))) {
-            return 0.0;
-        }
-        return (light.importance / squared);
-    }
-    return light.importance;
-}
-
-fn choose_light_Buffers(scene: Buffers, point: vec3f, total: f32, u: f32) -> LightChoice {
-    let nothing = LightChoice(NONE, 0.0);
-    var choice = LightChoice(NONE, 1.0);
-    var first: u32 = 0u;
-    var count = Buffers_header(scene).lights;
-    var sum = total;
-    var left = u;
-    var descending = true;
-    while descending {
-        if (sum <= 0.0) {
-            return nothing;
-        }
-        var rest = (left * sum);
-        var chosen: f32 = 0.0;
-        var offset: f32 = 0.0;
-        for (var i = 0u; i < count; i++) {
-            let importance = light_importance(Buffers_light(scene, (first + i)), point);
-            if ((rest >= 0.0) && (importance > 0.0)) {
-                choice.index = (first + i);
-                chosen = importance;
-                offset = rest;
-            }
-            rest -= importance;
-        }
-        choice.probability = max((choice.probability * (chosen / sum)), 1.0e-30);
-        left = clamp((offset / chosen), 0.0, 0.99999994);
-        let light = Buffers_light(scene, choice.index);
-        descending = (light.kind == LIGHT_GROUP);
-        first = light.first;
-        count = light.count;
-        if descending {
-            sum = sum_of_importances_Buffers(scene, first, count, point);
-        }
-    }
-    return choice;
-}
-
-fn light_probability_Buffers(scene: Buffers, index: u32, point: vec3f, total: f32) -> f32 {
-    var probability: f32 = 1.0;
-    var at = index;
-    while (at != NONE) {
-        let light = Buffers_light(scene, at);
-        var sum = total;
-        if (light.parent != NONE) {
-            let group = Buffers_light(scene, light.parent);
-            sum = sum_of_importances_Buffers(scene, group.first, group.count, point);
-        }
-        probability *= (light_importance(light, point) / max(sum, 1.0e-30));
-        at = light.parent;
-    }
-    return probability;
-}
-
-fn sum_of_importances_Buffers(scene: Buffers, first: u32, count: u32, point: vec3f) -> f32 {
-    var total: f32 = 0.0;
-    for (var i = 0u; i < count; i++) {
-        total += light_importance(Buffers_light(scene, (first + i)), point);
-    }
-    return total;
-}
-
-fn total_importance_Buffers(scene: Buffers, point: vec3f) -> f32 {
-    return sum_of_importances_Buffers(scene, 0u, Buffers_header(scene).lights, point);
 }
 
 struct LightSample {
@@ -2430,18 +2356,6 @@ fn hit_unit_point_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> vec3f {
     return hit_point(Buffers_shape(scene, hit.object), local, hit.shape);
 }
 
-fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> Ray {
-    let width = f32(settings.width);
-    let image_x = ((((2.0 * x) - width) / width) * header.view_scale_x);
-    let image_y = (((f32(settings.height) - (2.0 * y)) / width) * header.view_scale_y);
-    if (header.camera == CAMERA_PARALLEL) {
-        let start = vec3f(image_x, image_y, header.start_distance);
-        return Ray(transform_point(header.world_from_view, start), normalize(transform_vector(header.world_from_view, vec3f(0.0, 0.0, -1.0))));
-    }
-    let direction = vec3f(image_x, image_y, -1.0);
-    return Ray(transform_point(header.world_from_view, vec3f(0.0, 0.0, 0.0)), normalize(transform_vector(header.world_from_view, direction)));
-}
-
 fn normal_map_covers(normal_map: ChannelRecord, uv: vec2f) -> bool {
     let on_box_top = ((((uv.x >= 0.25) && (uv.x <= 0.5)) && (uv.y >= 0.33333333)) && (uv.y <= 0.66666667));
     return ((normal_map.size == 0u) || on_box_top);
@@ -2520,6 +2434,190 @@ fn with_normal_maps_Buffers(
         result.shading_normal = normal;
     }
     return result;
+}
+
+struct TracedLight {
+    radiance: vec3f,
+    rays: u32
+}
+
+struct PendingRay {
+    origin: vec3f,
+    direction: vec3f,
+    weight: vec3f,
+    touched: u32,
+    media: Media
+}
+
+struct LocalMaterial {
+    emissive: vec3f,
+    ambient: vec3f,
+    diffuse: vec3f,
+    diffuse_transmission: vec3f,
+    specular: vec3f,
+    exponent: f32,
+    mirrored: vec3f,
+    passed: vec3f
+}
+const MOST_PENDING: u32 = 12u;
+const LEAST_WEIGHT: f32 = 0.00390625;
+const MOST_RAYS: u32 = 512u;
+const LOCAL_CHANNELS: u32 = 8u;
+const DIMENSION_SHADOW: u32 = 1073741824u;
+const LAMP_END: f32 = 0.9999;
+
+fn lambert(material: LocalMaterial, normal: vec3f, direction: vec3f) -> vec3f {
+    let cosine = dot(normal, direction);
+    if (cosine >= 0.0) {
+        return (material.diffuse * cosine);
+    }
+    return (material.diffuse_transmission * (-cosine));
+}
+
+fn local_illumination(material: LocalMaterial, normal: vec3f, wo: vec3f, direction: vec3f) -> vec3f {
+    let value = lambert(material, normal, direction);
+    if ((dot(normal, direction) <= 0.0) || (material.exponent >= MIRROR_EXPONENT)) {
+        return value;
+    }
+    let across = (wo + direction);
+    let along = (dot(normal, across) / sqrt(max(dot(across, across), 1.0e-20)));
+    return (value + (material.specular * pow(clamp(along, 1.0e-6, 1.0), material.exponent)));
+}
+
+fn attenuation(exponent: f32, reference: f32, distance: f32) -> f32 {
+    if ((exponent <= 0.0) || (reference <= 0.0)) {
+        return 1.0;
+    }
+    return (2.0 / (1.0 + pow((distance / reference), exponent)));
+}
+
+fn spread_point(i: u32, count: u32, shift: vec2f) -> vec2f {
+    var bits = ((i << 16u) | (i >> 16u));
+    bits = (((bits & 16711935u) << 8u) | ((bits >> 8u) & 16711935u));
+    bits = (((bits & 252645135u) << 4u) | ((bits >> 4u) & 252645135u));
+    bits = (((bits & 858993459u) << 2u) | ((bits >> 2u) & 858993459u));
+    bits = (((bits & 1431655765u) << 1u) | ((bits >> 1u) & 1431655765u));
+    let u = ((f32(i) / f32(count)) + shift.x);
+    let v = (unit_float(bits) + shift.y);
+    return vec2f(min((u - floor(u)), 0.99999994), min((v - floor(v)), 0.99999994));
+}
+
+struct LightChoice {
+    index: u32,
+    probability: f32
+}
+
+fn group_importance(group: LightRecord, point: vec3f) -> f32 {
+    let way = (point - group.position);
+    let squared = dot(way, way);
+    if ((group.cos_outer < 3.1) && (squared > group.cos_inner)) {
+        let distance = sqrt(squared);
+        let angle = acos(clamp((dot(way, group.axis) / distance), -1.0, 1.0));
+        let spread = asin(clamp((sqrt(group.cos_inner) / distance), 0.0, 1.0));
+        if ((angle - spread) > group.cos_outer) {
+            return 0.0;
+        }
+    }
+    return (group.importance / max(max(squared, (0.25 * group.cos_inner)), 1.0e-20));
+}
+
+fn light_importance(light: LightRecord, point: vec3f) -> f32 {
+    if (light.kind == LIGHT_GROUP) {
+        return group_importance(light, point);
+    }
+    if (light.kind == LIGHT_AREA) {
+        let from_light = (point - (light.position + (light.edge_v * 0.5)));
+        if (dot(from_light, light.axis) <= 0.0) {
+            return 0.0;
+        }
+        return (light.importance / (dot(from_light, from_light) + light.cos_outer));
+    }
+    if (((light.kind == LIGHT_POINT) || (light.kind == LIGHT_SPOT)) || (light.kind == LIGHT_PHYSICAL)) {
+        let from_light = (point - light.position);
+        let squared = max(dot(from_light, from_light), 1.0e-20);
+        if ((light.kind == LIGHT_SPOT) && (dot(from_light, light.axis) <= (light.cos_outer * sqrt(squared)))) {
+            return 0.0;
+        }
+        return (light.importance / squared);
+    }
+    return light.importance;
+}
+
+fn choose_light_Buffers(scene: Buffers, point: vec3f, total: f32, u: f32) -> LightChoice {
+    let nothing = LightChoice(NONE, 0.0);
+    var choice = LightChoice(NONE, 1.0);
+    var first: u32 = 0u;
+    var count = Buffers_header(scene).lights;
+    var sum = total;
+    var left = u;
+    var descending = true;
+    while descending {
+        if (sum <= 0.0) {
+            return nothing;
+        }
+        var rest = (left * sum);
+        var chosen: f32 = 0.0;
+        var offset: f32 = 0.0;
+        for (var i = 0u; i < count; i++) {
+            let importance = light_importance(Buffers_light(scene, (first + i)), point);
+            if ((rest >= 0.0) && (importance > 0.0)) {
+                choice.index = (first + i);
+                chosen = importance;
+                offset = rest;
+            }
+            rest -= importance;
+        }
+        choice.probability = max((choice.probability * (chosen / sum)), 1.0e-30);
+        left = clamp((offset / chosen), 0.0, 0.99999994);
+        let light = Buffers_light(scene, choice.index);
+        descending = (light.kind == LIGHT_GROUP);
+        first = light.first;
+        count = light.count;
+        if descending {
+            sum = sum_of_importances_Buffers(scene, first, count, point);
+        }
+    }
+    return choice;
+}
+
+fn light_probability_Buffers(scene: Buffers, index: u32, point: vec3f, total: f32) -> f32 {
+    var probability: f32 = 1.0;
+    var at = index;
+    while (at != NONE) {
+        let light = Buffers_light(scene, at);
+        var sum = total;
+        if (light.parent != NONE) {
+            let group = Buffers_light(scene, light.parent);
+            sum = sum_of_importances_Buffers(scene, group.first, group.count, point);
+        }
+        probability *= (light_importance(light, point) / max(sum, 1.0e-30));
+        at = light.parent;
+    }
+    return probability;
+}
+
+fn sum_of_importances_Buffers(scene: Buffers, first: u32, count: u32, point: vec3f) -> f32 {
+    var total: f32 = 0.0;
+    for (var i = 0u; i < count; i++) {
+        total += light_importance(Buffers_light(scene, (first + i)), point);
+    }
+    return total;
+}
+
+fn total_importance_Buffers(scene: Buffers, point: vec3f) -> f32 {
+    return sum_of_importances_Buffers(scene, 0u, Buffers_header(scene).lights, point);
+}
+
+fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> Ray {
+    let width = f32(settings.width);
+    let image_x = ((((2.0 * x) - width) / width) * header.view_scale_x);
+    let image_y = (((f32(settings.height) - (2.0 * y)) / width) * header.view_scale_y);
+    if (header.camera == CAMERA_PARALLEL) {
+        let start = vec3f(image_x, image_y, header.start_distance);
+        return Ray(transform_point(header.world_from_view, start), normalize(transform_vector(header.world_from_view, vec3f(0.0, 0.0, -1.0))));
+    }
+    let direction = vec3f(image_x, image_y, -1.0);
+    return Ray(transform_point(header.world_from_view, vec3f(0.0, 0.0, 0.0)), normalize(transform_vector(header.world_from_view, direction)));
 }
 
 struct PathSample {
@@ -2622,7 +2720,13 @@ fn escaped_radiance_Buffers(scene: Buffers, previous: PathVertex, direction: vec
     return sum;
 }
 
-fn extend_path_Buffers(scene: Buffers, key: SampleKey, depth: u32, before: PathState) -> PathState {
+fn extend_path_Buffers(
+    scene: Buffers,
+    key: SampleKey,
+    depth: u32,
+    background: vec3f,
+    before: PathState,
+) -> PathState {
     var path = before;
     let ray = before.ray;
     path.direct = vec3f(0.0, 0.0, 0.0);
@@ -2631,6 +2735,9 @@ fn extend_path_Buffers(scene: Buffers, key: SampleKey, depth: u32, before: PathS
     path.rays += 1u;
     if (hit.object == NONE) {
         path.radiance += (path.throughput * escaped_radiance_Buffers(scene, path.previous, ray.direction));
+        if (path.previous.pdf <= 0.0) {
+            path.radiance += (path.throughput * background_radiance_Buffers(scene, background));
+        }
         path.event = EVENT_ESCAPED;
         return path;
     }
@@ -2735,6 +2842,10 @@ fn lamp_radiance_Buffers(
     return (radiance * found_light_weight(previous, (area_pdf(light, dot(way, way), cos_light) * choice)));
 }
 
+fn trace_sample_Buffers(scene: Buffers, settings: LaunchSettings, key: SampleKey, ray: Ray) -> PathSample {
+    return trace_path_Buffers(scene, key, ray, settings.depth, settings.background);
+}
+
 fn render_pixel_Buffers(
     scene: Buffers,
     settings: LaunchSettings,
@@ -2749,7 +2860,7 @@ fn render_pixel_Buffers(
         let key = SampleKey(((y * settings.width) + x), (settings.first_sample + i), settings.seed);
         let position = pixel_position(key, settings.grid);
         let ray = camera_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y));
-        let path = trace_path_Buffers(scene, key, ray, settings.depth);
+        let path = trace_sample_Buffers(scene, settings, key, ray);
         film.radiance += path.radiance;
         film.squares += (path.radiance * path.radiance);
         film.rays += path.rays;
@@ -2760,10 +2871,16 @@ fn render_pixel_Buffers(
     return film;
 }
 
-fn trace_path_Buffers(scene: Buffers, key: SampleKey, first: Ray, depth: u32) -> PathSample {
+fn trace_path_Buffers(
+    scene: Buffers,
+    key: SampleKey,
+    first: Ray,
+    depth: u32,
+    background: vec3f,
+) -> PathSample {
     var path = start_path(first);
     while path.goes_on {
-        path = extend_path_Buffers(scene, key, depth, path);
+        path = extend_path_Buffers(scene, key, depth, background, path);
     }
     return PathSample(path.radiance, path.rays);
 }

@@ -74,7 +74,7 @@ impl LoadedScene for GpuScene {
             let launch = batch.launch(settings);
             tile.iter().map(|pixel| launched_samples(launch, pixel.samples)).max().unwrap_or(0)
         };
-        TileRenderer::new(&self.gpu, &self.gpu.pipeline, &self.tables, settings)
+        TileRenderer::new(&self.gpu, self.gpu.pipeline(settings.renderer)?, &self.tables, settings)
             .render(batch, pixels, progress, &most)
     }
 

@@ -2,6 +2,8 @@
 //!
 //! The bindings are numbered as in [`super::scene`]. Eight storage buffers are what WebGPU guarantees.
 
+use super::assemble::StandIn;
+use crate::Renderer;
 use wgsl_rs::wgsl;
 
 // Rust never calls the entry point; the graphics card does. The whole is validated where it is joined.
@@ -101,29 +103,36 @@ pub mod kernel {
     }
 }
 
-/// The complete shader.
+/// The complete shader of a renderer.
 ///
 /// # Errors
 /// If the kernels use something that cannot be written in WGSL; the tests exclude it.
-pub(super) fn source() -> Result<String, String> {
-    super::assemble::assemble(&kernel::WGSL_SOURCE)
+pub(super) fn source(renderer: Renderer) -> Result<String, String> {
+    let choice = StandIn { replaced: "trace_sample", by: renderer.kernel() };
+    super::assemble::assemble(&kernel::WGSL_SOURCE, choice)
 }
 
 #[cfg(test)]
 mod tests {
+    use crate::Renderer;
+
     /// The WGSL that the graphics card runs is kept as a file, so that a reader sees it and a change of the
     /// translator shows as a difference. Set `SUNSHINE_BLESS=1` to accept a change.
     #[test]
     fn emitted_wgsl_matches_the_reviewed_snapshot() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/gpu/path_tracer.wgsl");
-        let source = super::source().unwrap();
-        if std::env::var_os("SUNSHINE_BLESS").is_some() {
-            std::fs::write(path, &source).unwrap();
+        for (renderer, file) in
+            [(Renderer::PathTracer, "path_tracer.wgsl"), (Renderer::RayTracer, "ray_tracer.wgsl")]
+        {
+            let path = format!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/gpu/{}"), file);
+            let source = super::source(renderer).unwrap();
+            if std::env::var_os("SUNSHINE_BLESS").is_some() {
+                std::fs::write(&path, &source).unwrap();
+            }
+            let reviewed = std::fs::read_to_string(&path).unwrap_or_default();
+            assert!(
+                source == reviewed,
+                "the emitted WGSL differs from {path}; review it with SUNSHINE_BLESS=1 and git diff"
+            );
         }
-        let reviewed = std::fs::read_to_string(path).unwrap_or_default();
-        assert!(
-            source == reviewed,
-            "the emitted WGSL differs from {path}; review it with SUNSHINE_BLESS=1 and git diff"
-        );
     }
 }

@@ -51,7 +51,13 @@ impl Builder {
     }
 
     pub fn light(&mut self, kind: LightKind, world_from_light: DAffine3) {
-        self.scene.lights.push(Light { kind, world_from_light, shadowless: false, origin: ORIGIN });
+        self.scene.lights.push(Light {
+            kind,
+            world_from_light,
+            attenuation: Default::default(),
+            shadowless: false,
+            origin: ORIGIN,
+        });
     }
 
     pub fn sky(&mut self, radiance: Rgb) {

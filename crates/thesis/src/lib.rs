@@ -1,0 +1,18 @@
+//! The experiments of T. Huwe, "Stochastischer GPU-Strahlenverfolger für GroIMP" (2008), on today's machines.
+//!
+//! The scenes are built anew from what the thesis says about them, with fixed seeds; pictures and times stand beside
+//! the figures of the thesis.
+
+mod bush;
+mod experiments;
+mod measure;
+mod plot;
+mod reference;
+mod scenes;
+mod table;
+
+pub use experiments::{Experiment, Outcome, all};
+pub use measure::{ExperimentError, Machine, Scale};
+pub use plot::{Plot, PlotError};
+pub use scenes::{ThesisScene, scene};
+pub use table::Table;
