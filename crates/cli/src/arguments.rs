@@ -1,9 +1,11 @@
 //! What can be said on the command line.
 
+use crate::camera_arguments::CameraArguments;
 use clap::builder::{PathBufValueParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use render::{
-    Acceleration, DeviceChoice, Layers, PictureFormat, RenderSettings, Renderer, Sampling, StopRule,
+    Acceleration, CropWindow, DeviceChoice, Filter, Layers, PictureFormat, RenderSettings, Renderer, Sampler,
+    Sampling, StopRule,
 };
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -84,7 +86,8 @@ pub struct RenderArguments {
     #[arg(long, value_name = "R,G,B", default_value = "0,0,0", value_parser = parse_background)]
     pub background: [f32; 3],
 
-    /// Divide every pixel into N x N cells and spread the samples evenly over them; smooths edges
+    /// Divide every pixel into N x N cells and spread the samples evenly over them; smooths edges. For
+    /// `--sampler independent`: the other spreads its samples evenly anyway
     #[arg(long, value_name = "N", default_value_t = RenderSettings::default().grid,
           value_parser = whole_number(1..=64))]
     pub grid: u32,
@@ -98,6 +101,19 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", default_value_t = RenderSettings::default().seed,
           value_parser = whole_number(0..=u32::MAX))]
     pub seed: u32,
+
+    /// How samples are spread
+    #[arg(long, value_enum, default_value_t = SamplerChoice::of(RenderSettings::default().sampler))]
+    pub sampler: SamplerChoice,
+
+    /// How light that arrives around the middle of a pixel is weighted
+    #[arg(long, value_enum, default_value_t = FilterChoice::of(RenderSettings::default().filter))]
+    pub filter: FilterChoice,
+
+    /// Render only a part of the picture: columns left of it, rows above it, its width and height, in pixels. They
+    /// are exactly those of the whole picture
+    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = parse_crop)]
+    pub crop: Option<CropWindow>,
 
     /// Brightness of a .png in photographic stops: +1 is twice as bright, -1 half. Chosen from the picture when
     /// missing; give it to compare pictures. An .exr is never changed
@@ -149,6 +165,10 @@ pub struct RenderArguments {
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
+
+    /// What changes the saved view.
+    #[command(flatten)]
+    pub camera: CameraArguments,
 }
 
 impl RenderArguments {
@@ -173,6 +193,9 @@ impl RenderArguments {
             renderer: self.renderer,
             shadow_samples: self.shadow_samples,
             background: self.background,
+            sampler: self.sampler.into(),
+            filter: self.filter.into(),
+            crop: self.crop,
             tile: self.tile,
         }
     }
@@ -187,6 +210,68 @@ impl RenderArguments {
                 noise,
                 most_samples: self.samples.unwrap_or(StopRule::MOST_SAMPLES),
             }),
+        }
+    }
+}
+
+/// A [`Sampler`] as users call it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SamplerChoice {
+    /// Every number is drawn for itself
+    Independent,
+    /// Scrambled Sobol points, shared out among neighbouring pixels: less noise, and finer
+    Sobol,
+}
+
+impl SamplerChoice {
+    fn of(sampler: Sampler) -> Self {
+        match sampler {
+            Sampler::Independent => SamplerChoice::Independent,
+            Sampler::Sobol => SamplerChoice::Sobol,
+        }
+    }
+}
+
+impl From<SamplerChoice> for Sampler {
+    fn from(choice: SamplerChoice) -> Self {
+        match choice {
+            SamplerChoice::Independent => Sampler::Independent,
+            SamplerChoice::Sobol => Sampler::Sobol,
+        }
+    }
+}
+
+/// A [`Filter`] as users call it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FilterChoice {
+    /// The same everywhere in the pixel: sharp
+    Box,
+    /// Falls linearly over 1 pixel
+    Tent,
+    /// Bell curve, 0.5 pixels wide
+    Gaussian,
+    /// Bell curve that is a little narrower and ends smoothly
+    BlackmanHarris,
+}
+
+impl FilterChoice {
+    fn of(filter: Filter) -> Self {
+        match filter {
+            Filter::Box => FilterChoice::Box,
+            Filter::Tent => FilterChoice::Tent,
+            Filter::Gaussian => FilterChoice::Gaussian,
+            Filter::BlackmanHarris => FilterChoice::BlackmanHarris,
+        }
+    }
+}
+
+impl From<FilterChoice> for Filter {
+    fn from(choice: FilterChoice) -> Self {
+        match choice {
+            FilterChoice::Box => Filter::Box,
+            FilterChoice::Tent => Filter::Tent,
+            FilterChoice::Gaussian => Filter::Gaussian,
+            FilterChoice::BlackmanHarris => Filter::BlackmanHarris,
         }
     }
 }
@@ -382,6 +467,14 @@ fn parse_background(text: &str) -> Result<[f32; 3], String> {
         .ok_or_else(|| "expected three numbers from 0 to 1e12, for example 0.2,0.3,0.5".to_owned())
 }
 
+fn parse_crop(text: &str) -> Result<CropWindow, String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(CropWindow { x, y, width, height }),
+        _ => Err("expected column, row, width and height in pixels, for example 320,240,64,64".to_owned()),
+    }
+}
+
 /// A distance in metres, from a micrometre up.
 fn parse_flatness(text: &str) -> Result<f64, String> {
     let metres = text.trim().parse().ok().filter(|metres: &f64| metres.is_finite() && *metres >= 1e-6);
@@ -464,6 +557,45 @@ mod tests {
             ["--background", "1,nan,1"],
         ] {
             assert!(render(&wrong).is_err(), "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn samplers_filters_and_parts_of_pictures() {
+        for (word, sampler) in [("independent", Sampler::Independent), ("sobol", Sampler::Sobol)] {
+            assert_eq!(render(&["--sampler", word]).unwrap().settings().sampler, sampler);
+        }
+        for (word, filter) in [
+            ("box", Filter::Box),
+            ("tent", Filter::Tent),
+            ("gaussian", Filter::Gaussian),
+            ("blackman-harris", Filter::BlackmanHarris),
+        ] {
+            assert_eq!(render(&["--filter", word]).unwrap().settings().filter, filter);
+        }
+        let crop = CropWindow { x: 3, y: 0, width: 5, height: 7 };
+        assert_eq!(render(&["--crop", "3, 0,5,7"]).unwrap().settings().crop, Some(crop));
+        for wrong in
+            [["--sampler", "halton"], ["--filter", "sinc"], ["--crop", "1,2,3"], ["--crop", "0,0,0,1"]]
+        {
+            assert!(render(&wrong).is_err(), "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn cameras() {
+        let given = "--camera-position=1,2,3 --camera-target -1,0,0 --camera-up 0,1,0 --fov 40 --aperture 0.1 --focus 2";
+        let camera = render(&given.split(' ').collect::<Vec<_>>()).unwrap().camera;
+        assert_eq!(camera.camera_target.unwrap().x, -1.0);
+        assert_eq!((camera.fov, camera.aperture, camera.focus), (Some(40.0), Some(0.1), Some(2.0)));
+        for wrong in [
+            &["--fov", "180"][..],
+            &["--focus", "2"],
+            &["--parallel", "0"],
+            &["--fov", "40", "--parallel", "2"],
+            &["--camera-position", "1,2"],
+        ] {
+            assert!(render(wrong).is_err(), "{wrong:?}");
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod bench_command;
+mod camera_arguments;
 mod devices_command;
 mod failure;
 mod info_command;

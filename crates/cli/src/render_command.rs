@@ -18,6 +18,7 @@ use std::time::Instant;
 pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     let messages = Messages { quiet: arguments.quiet };
     let settings = arguments.settings();
+    check_crop(&settings)?;
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene));
     // Before hours of work rather than after.
     let format = PictureFormat::from_path(&output)?;
@@ -42,9 +43,11 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     // A device that is not there is told before a large scene is read.
     let device =
         timed(&mut seconds.open, || render::open_device_for(arguments.device, threads, settings.renderer))?;
-    let project = timed(&mut seconds.read, || groimp::read_with(&arguments.scene, &arguments.read_options()))
-        .map_err(Failure::reading(&arguments.scene))?;
+    let mut project =
+        timed(&mut seconds.read, || groimp::read_with(&arguments.scene, &arguments.read_options()))
+            .map_err(Failure::reading(&arguments.scene))?;
     messages.report(&project.report);
+    arguments.camera.apply(&mut project.scene)?;
     let scene =
         Arc::new(timed(&mut seconds.compile, || render::compile_with(&project.scene, arguments.accel))?);
     let loaded = timed(&mut seconds.upload, || device.load(Arc::clone(&scene)))?;
@@ -53,8 +56,8 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     let origins = Origins::of(&scene);
     let target = PictureTarget {
         path: &output,
-        width: settings.width,
-        height: settings.height,
+        width: settings.window().width,
+        height: settings.window().height,
         exposure: arguments.exposure,
         layers: &layers,
         origins: &origins,
@@ -154,9 +157,10 @@ fn pixel_events(arguments: &RenderArguments, pixel: Pixel, messages: Messages) -
             pixel.x, pixel.y, arguments.size
         )));
     }
-    let project = groimp::read_with(&arguments.scene, &arguments.read_options())
+    let mut project = groimp::read_with(&arguments.scene, &arguments.read_options())
         .map_err(Failure::reading(&arguments.scene))?;
     messages.report(&project.report);
+    arguments.camera.apply(&mut project.scene)?;
     let scene = render::compile_with(&project.scene, arguments.accel)?;
     Ok(render::pixel_events(&scene, &settings, (pixel.x, pixel.y), pixel.samples))
 }
@@ -226,6 +230,16 @@ fn summary(statistics: &Statistics, exposure: Exposure, output: &Path) -> String
         (statistics.samples_per_pixel * 100.0).round() / 100.0,
         output.display()
     )
+}
+
+fn check_crop(settings: &RenderSettings) -> Result<(), Failure> {
+    match settings.crop {
+        Some(crop) if !crop.lies_in(settings.width, settings.height) => Err(Failure::Usage(format!(
+            "--crop {},{},{},{} does not lie in the picture, which has {} x {} pixels",
+            crop.x, crop.y, crop.width, crop.height, settings.width, settings.height
+        ))),
+        _ => Ok(()),
+    }
 }
 
 fn check_outputs(picture: &Path, statistics: Option<&Path>) -> Result<(), Failure> {

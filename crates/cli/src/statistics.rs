@@ -50,13 +50,14 @@ pub struct Statistics {
 impl Statistics {
     /// Takes over what settings and rendering tell; the rest is for the caller to fill in.
     pub fn new(settings: &RenderSettings, rendered: &BandStatistics) -> Self {
-        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        let window = settings.window();
+        let pixels = u64::from(window.width) * u64::from(window.height);
         Statistics {
             version: env!("CARGO_PKG_VERSION"),
             device: String::new(),
             renderer: settings.renderer.name(),
-            width: settings.width,
-            height: settings.height,
+            width: window.width,
+            height: window.height,
             depth: settings.depth,
             seed: settings.seed,
             samples_per_pixel: rendered.samples as f64 / pixels.max(1) as f64,

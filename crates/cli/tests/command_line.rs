@@ -50,6 +50,12 @@ fn wrong_usage_exits_with_2_and_says_what_is_accepted() {
     render("--samples", "0", "at least 1");
     render("--depth", "0", "1 to 1000");
     render("--grid", "65", "1 to 64");
+    render("--sampler", "halton", "sobol");
+    render("--filter", "sinc", "blackman-harris");
+    render("--crop", "1,2,3", "320,240,64,64");
+    render("--camera-position", "1,2", "three numbers");
+    render("--fov", "0", "0.001 to 179");
+    render("--aperture", "0", "metres");
     render("--threads", "0", "1 to 4096");
     render("--exposure", "bright", "number of stops");
     render("--device", "tpu", "gpu:N");
@@ -294,6 +300,65 @@ fn the_kernels_are_written() {
     render_small(directory.path(), &["-o", "a.png", "--samples", "1", "--dump-wgsl", "kernels/now"]);
     let kernels = std::fs::read_to_string(directory.path().join("kernels/now/path_tracer.wgsl")).unwrap();
     assert!(kernels.contains("fn render_tile(") && kernels.contains("fn render_layers("));
+}
+
+#[test]
+fn a_part_of_a_picture_outside_of_it_is_wrong_usage() {
+    assert_fails(
+        &["render", "missing.gsz", "--size", "20x10", "--crop", "10,5,11,5"],
+        2,
+        &["--crop 10,5,11,5", "20 x 10"],
+    );
+}
+
+/// Renders a small Cornell box with options; the pixels of the red channel, row by row, and the width.
+fn cornell_red(options: &[&str]) -> (Vec<f32>, usize) {
+    let directory = empty_directory();
+    let scene = cornell_box();
+    let mut words = vec!["render", scene.to_str().unwrap(), "-o", "a.exr", "--quiet"];
+    words.extend(SMALL);
+    words.extend(options);
+    let output = sunshine(directory.path(), &words);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let image = exr::prelude::read_first_rgba_layer_from_file(
+        directory.path().join("a.exr"),
+        |size, _| (vec![0.0f32; size.area()], size.width()),
+        |(pixels, width), at, (r, _, _, _): (f32, f32, f32, f32)| pixels[at.y() * *width + at.x()] = r,
+    )
+    .unwrap();
+    image.layer_data.channel_data.pixels
+}
+
+#[test]
+fn a_part_of_a_picture_has_the_pixels_of_the_whole() {
+    let (whole, _) = cornell_red(&[]);
+    let (part, width) = cornell_red(&["--crop", "7,3,11,5"]);
+    assert_eq!((part.len(), width), (55, 11));
+    for (i, value) in part.iter().enumerate() {
+        assert_eq!(*value, whole[(3 + i / 11) * 24 + 7 + i % 11]);
+    }
+}
+
+#[test]
+fn the_saved_view_can_be_overridden() {
+    let differ = |a: &[f32], b: &[f32]| a.iter().zip(b).filter(|(a, b)| a != b).count();
+    let (saved, _) = cornell_red(&[]);
+    for options in [
+        &["--camera-position", "2,-5,2"][..],
+        &["--camera-target", "1,2,1"],
+        &["--camera-up", "1,0,1"],
+        &["--fov", "20"],
+        &["--parallel", "4"],
+        &["--aperture", "0.2"],
+        &["--filter", "tent"],
+        &["--sampler", "independent"],
+    ] {
+        let (other, _) = cornell_red(options);
+        assert!(differ(&saved, &other) > 200, "{options:?}: {}", differ(&saved, &other));
+    }
+    // A camera behind the closed back of the box sees nothing of its light.
+    let (dark, _) = cornell_red(&["--camera-position", "2.75,20,2.75", "--camera-target", "2.75,5.6,2.75"]);
+    assert!(dark.iter().all(|value| *value == 0.0));
 }
 
 #[test]

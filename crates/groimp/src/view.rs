@@ -81,7 +81,7 @@ fn parse_camera(values: &Values, camera: &Value) -> Result<Camera, String> {
         Some("ParallelProjection") => Projection::Parallel { width: number("width", 10.0)?, aspect },
         _ => return Err(format!("the camera's projection '{class}' is neither perspective nor parallel")),
     };
-    Ok(Camera { view_from_world, projection })
+    Ok(Camera { view_from_world, projection, lens: None })
 }
 
 /// The affine part of 16 numbers in row-major order.

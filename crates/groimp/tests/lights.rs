@@ -6,7 +6,7 @@ mod common;
 use common::{data, directory, graph};
 use glam::DVec3;
 use groimp::Project;
-use scene::{Channel, Daylight, LightKind, SkyRadiance};
+use scene::{Attenuation, Channel, Daylight, LightKind, SkyRadiance};
 use std::f64::consts::PI;
 
 const LIGHT_NODE: &str = "de.grogra.imp3d.objects.LightNode";
@@ -216,4 +216,19 @@ fn hostile_skies_and_distributions_are_reported() {
     let hazy = read("hazy", &light(1, sky, &data("turbidity", 40)));
     assert_eq!(daylight(&hazy).turbidity, 10.0);
     assert!(hazy.report.to_string().contains("turbidity 40"), "{}", hazy.report);
+}
+
+#[test]
+fn attenuation_is_kept_for_the_ray_tracer() {
+    let fades =
+        |exponent, distance| data("attenuationExponent", exponent) + &data("attenuationDistance", distance);
+    let (point, spot) = ("objects.PointLight", "objects.SpotLight");
+    let lights = light(1, point, "")
+        + &light(2, spot, &fades(2.0, 5.0))
+        + &light(3, point, &fades(0.0, 5.0))
+        + &light(4, point, &fades(2.0, -1.0));
+    let project = read("attenuation", &lights);
+    let read: Vec<_> = project.scene.lights.iter().map(|light| light.attenuation).collect();
+    let none = Attenuation::default();
+    assert_eq!(read, [none, Attenuation { exponent: 2.0, distance: 5.0 }, none, none]);
 }

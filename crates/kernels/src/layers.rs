@@ -91,13 +91,8 @@ pub mod kernel {
         let mut layers = before;
         #[wgsl_allow(non_literal_loop_bounds)]
         for i in 0..settings.samples {
-            let key = SampleKey {
-                pixel: y * settings.width + x,
-                sample: settings.first_sample + i,
-                seed: settings.seed,
-            };
-            let position = pixel_position(key, settings.grid);
-            let ray = camera_ray(header, settings, f32(x) + position.x, f32(y) + position.y);
+            let key = sample_key(settings, x, y, settings.first_sample + i);
+            let ray = sampled_camera_ray(header, settings, key, x, y);
             layers = add_first_hit::<S>(scene, key, ray, layers);
         }
         layers

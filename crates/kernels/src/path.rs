@@ -400,13 +400,8 @@ pub mod kernel {
         let count = launched_samples(settings, before.samples);
         #[wgsl_allow(non_literal_loop_bounds)]
         for i in 0..count {
-            let key = SampleKey {
-                pixel: y * settings.width + x,
-                sample: settings.first_sample + i,
-                seed: settings.seed,
-            };
-            let position = pixel_position(key, settings.grid);
-            let ray = camera_ray(header, settings, f32(x) + position.x, f32(y) + position.y);
+            let key = sample_key(settings, x, y, settings.first_sample + i);
+            let ray = sampled_camera_ray(header, settings, key, x, y);
             let path = trace_sample::<S>(scene, settings, key, ray);
             film.radiance += path.radiance;
             film.squares += path.radiance * path.radiance;

@@ -1,14 +1,21 @@
 //! Random numbers as a function of (pixel, sample, dimension), never of execution order.
 //!
-//! The generator is the 4-D permuted congruential hash of Jarzynski and Olano, "Hash Functions for GPU
-//! Rendering" (JCGT 9(3), 2020). One call gives four independent numbers.
+//! Independent numbers come from the 4-D permuted congruential hash of Jarzynski and Olano, "Hash Functions for GPU
+//! Rendering" (JCGT 9(3), 2020). One call gives four of them. The other sampler is that of the module `sobol`.
 
 use wgsl_rs::wgsl;
 
 #[wgsl]
 #[allow(clippy::module_inception)]
 pub mod kernel {
+    use crate::records::kernel::*;
+    use crate::sobol::kernel::*;
     use wgsl_rs::std::*;
+
+    /// All numbers are independent of each other.
+    pub const SAMPLER_INDEPENDENT: u32 = 0;
+    /// Scrambled Sobol points in Z-order, see the module `sobol`.
+    pub const SAMPLER_SOBOL: u32 = 1;
 
     /// Identifies one sample of one pixel; with a dimension it selects four random numbers.
     #[derive(Copy, Clone, Debug, Wgsl)]
@@ -19,9 +26,15 @@ pub mod kernel {
         pub sample: u32,
         /// Chosen by the user; another seed gives an independent picture.
         pub seed: u32,
+        /// Sobol: the bits that indices of the block of pixels have. 0 selects independent numbers.
+        pub index_mask: u32,
+        /// Sobol: place of the sample in the sequence of its block of pixels.
+        pub index: u32,
+        /// Sobol: tells blocks of pixels, and repetitions of their sequence, apart.
+        pub scramble: u32,
     }
 
-    /// Dimension of the position within the pixel.
+    /// Dimension of the position within the pixel and on the lens.
     pub const DIMENSION_PIXEL: u32 = 0;
     /// First dimension of the surfaces along a path; each takes `DIMENSIONS_PER_SURFACE`.
     pub const DIMENSION_FIRST_SURFACE: u32 = 1;
@@ -56,25 +69,68 @@ pub mod kernel {
         f32(bits >> 8u32) * 0.000000059604644775390625
     }
 
-    /// Four independent numbers, uniform in [0, 1).
+    /// The key of independent numbers.
+    pub fn independent_key(pixel: u32, sample: u32, seed: u32) -> SampleKey {
+        SampleKey { pixel, sample, seed, index_mask: 0, index: 0, scramble: 0 }
+    }
+
+    /// The key of a sample of a picture; `x` and `y` count pixels of the whole picture from the top left.
+    pub fn sample_key(settings: LaunchSettings, x: u32, y: u32, sample: u32) -> SampleKey {
+        let mut key = independent_key(y * settings.width + x, sample, settings.seed);
+        if settings.sampler == SAMPLER_SOBOL {
+            let bits = settings.sequence_bits;
+            // More samples than planned start a sequence that is scrambled differently.
+            let repetition = sample >> bits;
+            let block =
+                pcg4d(vec4u(x >> BLOCK_LEVELS, y >> BLOCK_LEVELS, repetition ^ 2779096485u32, settings.seed));
+            let edge_mask = (1u32 << BLOCK_LEVELS) - 1u32;
+            let place = z_order(x & edge_mask, y & edge_mask, block.x);
+            key.index_mask = (1u32 << (bits + 2u32 * BLOCK_LEVELS)) - 1u32;
+            key.index = (place << bits) | (sample & ((1u32 << bits) - 1u32));
+            key.scramble = block.y;
+        }
+        key
+    }
+
+    /// Four numbers, uniform in [0, 1) and well distributed together over the samples of a pixel, or independent.
+    /// Those of different dimensions are independent.
     pub fn random4(key: SampleKey, dimension: u32) -> Vec4f {
-        let bits = pcg4d(vec4u(key.pixel, key.sample, dimension, key.seed));
+        let sobol = key.index_mask != 0u32;
+        let first = select(key.pixel, key.scramble, sobol);
+        let second = select(key.sample, 3141592653u32, sobol);
+        let mut bits = pcg4d(vec4u(first, second, dimension, key.seed));
+        if sobol {
+            // The order of the samples must not be the same in all dimensions.
+            let order = mix_bits(bits.x ^ (bits.w * 2654435769u32));
+            let index = nested_uniform_scramble(key.index, order) & key.index_mask;
+            bits = scrambled_sobol4(index, bits);
+        }
         vec4f(unit_float(bits.x), unit_float(bits.y), unit_float(bits.z), unit_float(bits.w))
     }
 
-    /// Position of a sample within its pixel, in [0, 1)².
+    /// Position of a sample within its pixel in `xy`, that on the lens in `zw`, in [0, 1)⁴.
     ///
-    /// The pixel is divided into `grid` x `grid` cells that are visited in turn; each pixel starts at a random
-    /// cell, so that a sample count that is no multiple of the number of cells stays unbiased.
-    pub fn pixel_position(key: SampleKey, grid: u32) -> Vec2f {
+    /// Independent numbers: the pixel is divided into `grid` x `grid` cells that are visited in turn; each pixel
+    /// starts at a random cell, so that a sample count that is no multiple of the number of cells stays unbiased.
+    /// Sobol points are in strata of all shapes already, which cells would only disturb.
+    pub fn camera_numbers(key: SampleKey, grid: u32) -> Vec4f {
         let jitter = random4(key, DIMENSION_PIXEL);
+        if key.index_mask != 0u32 {
+            return jitter;
+        }
         let cells = grid * grid;
         let round = key.sample / cells;
         let start = pcg4d(vec4u(key.pixel, round, 3735928559u32, key.seed)).x;
         let cell = (key.sample % cells + start % cells) % cells;
         let column = cell % grid;
         let row = cell / grid;
-        vec2f((f32(column) + jitter.x) / f32(grid), (f32(row) + jitter.y) / f32(grid))
+        vec4f((f32(column) + jitter.x) / f32(grid), (f32(row) + jitter.y) / f32(grid), jitter.z, jitter.w)
+    }
+
+    /// Position of a sample within its pixel, in [0, 1)².
+    pub fn pixel_position(key: SampleKey, grid: u32) -> Vec2f {
+        let numbers = camera_numbers(key, grid);
+        vec2f(numbers.x, numbers.y)
     }
 }
 
@@ -83,7 +139,7 @@ mod tests {
     use super::kernel::*;
 
     fn key(pixel: u32, sample: u32) -> SampleKey {
-        SampleKey { pixel, sample, seed: 7 }
+        independent_key(pixel, sample, 7)
     }
 
     #[test]

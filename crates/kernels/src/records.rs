@@ -296,6 +296,12 @@ pub mod kernel {
         pub ambient: Vec3f,
         /// Number of all lights and groups of lights.
         pub all_lights: u32,
+        /// Radius of the lens in metres; 0 draws everything sharply.
+        pub lens_radius: f32,
+        /// Reciprocal of the distance of the plane that is drawn sharply, in 1/m; 0 for infinity.
+        pub vergence: f32,
+        pub reserved0: u32,
+        pub reserved1: u32,
     }
 
     /// The unbiased solution of the rendering equation.
@@ -328,12 +334,19 @@ pub mod kernel {
         pub background: Vec3f,
         /// Ray tracer: shadow rays to every area light and sky, at least 1.
         pub shadow_samples: u32,
+        /// `SAMPLER_INDEPENDENT` or `SAMPLER_SOBOL`.
+        pub sampler: u32,
+        /// Sobol: binary logarithm of the planned number of samples per pixel, rounded up; at most
+        /// `MAX_SEQUENCE_BITS`.
+        pub sequence_bits: u32,
+        /// Reconstruction filter, `FILTER_BOX` and so on.
+        pub reconstruction: u32,
         /// 1 if every pixel says how many samples it is to have; see `launched_samples`.
         pub counted: u32,
-        pub reserved_launch0: u32,
-        pub reserved_launch1: u32,
-        pub reserved_launch2: u32,
     }
+
+    /// Together with the bits of a block's pixels this leaves indices below 2^32.
+    pub const MAX_SEQUENCE_BITS: u32 = 20;
 
     /// What is collected for a pixel.
     #[repr(C)]
@@ -473,7 +486,7 @@ plain_old_data! {
     MaterialRecord: 16,
     ChannelRecord: 8,
     LightRecord: 24,
-    SceneHeader: 24,
+    SceneHeader: 28,
     LaunchSettings: 20,
     FilmPixel: 8,
     LayerPixel: 16,

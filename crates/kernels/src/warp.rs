@@ -85,7 +85,7 @@ pub mod kernel {
 #[cfg(test)]
 mod tests {
     use super::kernel::*;
-    use crate::random::kernel::{SampleKey, random4};
+    use crate::random::kernel::{independent_key, random4};
     use wgsl_rs::std::*;
 
     /// Chi-square test of a warp round +z against its density, over rings of equal polar angle.
@@ -94,7 +94,7 @@ mod tests {
         let n = 100_000u32;
         let mut counts = [0f64; BINS];
         for i in 0..n {
-            let r = random4(SampleKey { pixel: i, sample: 1, seed: 3 }, 0);
+            let r = random4(independent_key(i, 1, 3), 0);
             let d = warp(vec2f(r.x, r.y));
             assert!((length(d) - 1.0).abs() < 1e-5);
             let cell = ((1.0 - d.z.min(1.0)) * BINS as f32).min(BINS as f32 - 1.0);
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn rotating_to_an_axis_keeps_the_angle() {
         for i in 0..1000 {
-            let r = random4(SampleKey { pixel: i, sample: 0, seed: 1 }, 0);
+            let r = random4(independent_key(i, 0, 1), 0);
             let axis = polar_direction(2.0 * r.x - 1.0, r.y);
             let local = cosine_hemisphere(vec2f(r.z, r.w));
             let world = around_axis(axis, local);

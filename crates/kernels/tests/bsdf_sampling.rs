@@ -2,7 +2,7 @@
 //! density, reflection is reciprocal, and no more light leaves than arrives.
 
 use kernels::bsdf::kernel::*;
-use kernels::random::kernel::{SampleKey, random4};
+use kernels::random::kernel::{independent_key, random4};
 use wgsl_rs::std::*;
 
 /// Not the pole of the bins below, where sharp lobes would fall between the points of a grid.
@@ -90,7 +90,7 @@ fn sampled_directions_follow_the_density() {
         for (number, wo) in viewers().into_iter().enumerate() {
             let mut counts = vec![0u32; RINGS * SECTORS];
             for index in 0..SAMPLES {
-                let u = random4(SampleKey { pixel: index, sample: number as u32, seed: 3 }, 1);
+                let u = random4(independent_key(index, number as u32, 3), 1);
                 let sample = sample_bsdf(bsdf, NORMAL, wo, vec3f(u.x, u.y, u.z));
                 if sample.event == EVENT_SCATTERED {
                     counts[bin(sample.direction)] += 1;
@@ -131,7 +131,7 @@ fn weights_are_value_over_density() {
     for (name, bsdf) in cases() {
         for wo in viewers() {
             for index in 0..500 {
-                let u = random4(SampleKey { pixel: index, sample: 0, seed: 5 }, 2);
+                let u = random4(independent_key(index, 0, 5), 2);
                 let sample = sample_bsdf(bsdf, NORMAL, wo, vec3f(u.x, u.y, u.z));
                 if sample.event != EVENT_SCATTERED {
                     continue;
@@ -150,7 +150,7 @@ fn weights_are_value_over_density() {
 fn reflection_and_straight_transmission_are_reciprocal() {
     for (name, bsdf) in cases().into_iter().filter(|(_, bsdf)| bsdf.eta == 1.0) {
         for index in 0..500 {
-            let u = random4(SampleKey { pixel: index, sample: 0, seed: 9 }, 3);
+            let u = random4(independent_key(index, 0, 9), 3);
             let direction = |cosine: f32, turn: f32| {
                 let radius = (1.0 - cosine * cosine).sqrt();
                 vec3f(
@@ -181,7 +181,7 @@ fn no_more_light_leaves_than_arrives() {
         for wo in viewers() {
             let (mut sum, mut squares) = (0.0, 0.0);
             for index in 0..SAMPLES {
-                let u = random4(SampleKey { pixel: index, sample: 7, seed: 1 }, 4);
+                let u = random4(independent_key(index, 7, 1), 4);
                 let sample = sample_bsdf(bsdf, NORMAL, wo, vec3f(u.x, u.y, u.z));
                 let mut weight = f64::from(sample.weight.x.max(sample.weight.y).max(sample.weight.z));
                 if sample.direction.x < 0.0 {

@@ -38,7 +38,7 @@ pub fn render_adaptive(
     let mut done = 0;
     let mut films = Vec::new();
     for half in &halves {
-        let mut film = Film::new(half.width, half.height);
+        let mut film = Film::of(half);
         let batch = Batch { samples: first, ..Batch::whole(half) };
         scene.add_samples(half, &batch, &mut film.pixels, &|samples| progress(done + samples))?;
         done += film.pixels.len() as u64 * u64::from(first);
@@ -56,7 +56,7 @@ pub fn render_adaptive(
         scene.add_samples(half, &batch, &mut film.pixels, &|samples| progress(done + samples))?;
         done += wanted.iter().map(|wanted| u64::from(wanted - first)).sum::<u64>();
     }
-    let mut joined = Film::new(settings.width, settings.height);
+    let mut joined = Film::of(settings);
     let halves = films[0].pixels.iter().zip(&films[1].pixels);
     for (pixel, (a, b)) in joined.pixels.iter_mut().zip(halves) {
         *pixel = join(a, b);

@@ -54,9 +54,10 @@ pub struct BandStatistics {
 /// Rows of a band of a picture, given the bytes that it may take: all rows if they fit, else a multiple of 16.
 pub fn band_rows(settings: &RenderSettings, with_layers: bool, bytes: u64) -> u32 {
     let layer = if with_layers { size_of::<LayerPixel>() } else { 0 };
-    let row = u64::from(settings.width) * (size_of::<FilmPixel>() + layer) as u64;
+    let row = u64::from(settings.window().width) * (size_of::<FilmPixel>() + layer) as u64;
     let rows = u32::try_from(bytes / row.max(1)).unwrap_or(u32::MAX);
-    if rows >= settings.height { settings.height } else { (rows / ROW_STEP).max(1) * ROW_STEP }
+    let height = settings.window().height;
+    if rows >= height { height } else { (rows / ROW_STEP).max(1) * ROW_STEP }
 }
 
 /// Renders a picture, with the layers if they are wanted, and hands its bands from top to bottom to `sink`. A band
@@ -85,7 +86,8 @@ pub fn render_bands(
         }
     };
     let rows = band_rows(settings, with_layers, bytes);
-    let width = settings.width as usize;
+    let window = settings.window();
+    let width = window.width as usize;
     let mut statistics = BandStatistics {
         black: true,
         noise: film.as_ref().map(crate::relative_noise),
@@ -94,10 +96,9 @@ pub fn render_bands(
     let mut done = 0;
     let mut own: Vec<FilmPixel> = Vec::new();
     let mut layers: Vec<LayerPixel> = Vec::new();
-    for first_row in (0..settings.height).step_by(rows.max(1) as usize) {
-        let batch =
-            Batch { first_row, rows: rows.min(settings.height - first_row), ..Batch::whole(settings) };
-        let count = batch.pixels(settings.width);
+    for first_row in (0..window.height).step_by(rows.max(1) as usize) {
+        let batch = Batch { first_row, rows: rows.min(window.height - first_row), ..Batch::whole(settings) };
+        let count = batch.pixels(settings);
         let pixels = match &film {
             Some(film) => &film.pixels[first_row as usize * width..][..count],
             None => {
@@ -120,7 +121,7 @@ pub fn render_bands(
         statistics.samples += pixels.iter().map(|pixel| u64::from(pixel.samples)).sum::<u64>();
         statistics.rays += pixels.iter().map(|pixel| u64::from(pixel.rays)).sum::<u64>();
         statistics.black &= pixels.iter().all(|pixel| pixel.radiance.to_array() == [0.0; 3]);
-        sink(&Band { first_row, width: settings.width, pixels, layers: &layers })?;
+        sink(&Band { first_row, width: window.width, pixels, layers: &layers })?;
     }
     Ok(statistics)
 }
@@ -132,7 +133,8 @@ fn mean_samples(pixels: &[FilmPixel]) -> u32 {
 }
 
 fn check_film(settings: &RenderSettings, films: u64) -> Result<(), RenderError> {
-    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    let window = settings.window();
+    let pixels = u64::from(window.width) * u64::from(window.height);
     let needed = films * pixels * size_of::<FilmPixel>() as u64;
     if needed > FILM_BYTES {
         return Err(RenderError::FilmTooLarge { needed, limit: FILM_BYTES });

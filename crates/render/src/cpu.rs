@@ -92,11 +92,12 @@ impl CpuScene {
         progress: &Progress<'_>,
         work: impl Fn(u32, u32, &mut P) -> u32 + Sync,
     ) -> Result<(), DeviceError> {
-        assert_eq!(pixels.len(), batch.pixels(settings.width), "pixels of a batch");
+        assert_eq!(pixels.len(), batch.pixels(settings), "pixels of a batch");
         if pixels.is_empty() {
             return Ok(());
         }
-        let width = settings.width as usize;
+        let launch = batch.launch(settings);
+        let width = launch.tile_width as usize;
         let edge = settings.tile.map(|edge| edge.max(1) as usize);
         let (tile_width, tile_height) = (edge.unwrap_or(width), edge.unwrap_or(TILE_ROWS));
         let done = AtomicU64::new(0);
@@ -107,9 +108,9 @@ impl CpuScene {
             }
             let mut taken = 0;
             for (row, line) in rows.into_iter().enumerate() {
-                let y = batch.first_row + (y + row) as u32;
+                let y = launch.tile_y + (y + row) as u32;
                 for (column, pixel) in line.iter_mut().enumerate() {
-                    taken += u64::from(work((x + column) as u32, y, pixel));
+                    taken += u64::from(work(launch.tile_x + (x + column) as u32, y, pixel));
                 }
             }
             let sum = done.fetch_add(taken, Ordering::Relaxed) + taken;

@@ -1,7 +1,6 @@
 //! What every device can do.
 
-use crate::Renderer;
-use crate::{CompiledScene, Film};
+use crate::{CompiledScene, CropWindow, Film, Filter, Renderer, Sampler};
 use kernels::records::kernel::{FilmPixel, LaunchSettings, LayerPixel};
 use std::sync::Arc;
 
@@ -16,7 +15,8 @@ pub struct RenderSettings {
     pub samples: u32,
     /// Number of surfaces that a path may touch; 1 is direct light only (GroIMP's recursion depth).
     pub depth: u32,
-    /// A pixel is divided into `grid` x `grid` strata, at least 1.
+    /// The unit square of the filter is divided into `grid` x `grid` strata, at least 1; the Sobol sampler needs none
+    /// and takes no notice.
     pub grid: u32,
     /// Another seed gives an independent picture.
     pub seed: u32,
@@ -26,6 +26,12 @@ pub struct RenderSettings {
     pub shadow_samples: u32,
     /// Radiance in W/(m² sr) where nothing is hit and there is no sky. It is seen and lights nothing.
     pub background: [f32; 3],
+    /// Where random numbers come from.
+    pub sampler: Sampler,
+    /// How light around a pixel is weighted.
+    pub filter: Filter,
+    /// The part of the picture to render; `None` for all of it. The pixels are those of the whole picture.
+    pub crop: Option<CropWindow>,
     /// Edge in pixels of the squares that the picture is rendered in; `None` for what suits the device. It never
     /// changes the picture.
     pub tile: Option<u32>,
@@ -49,23 +55,28 @@ impl RenderSettings {
         renderer: Renderer::PathTracer,
         shadow_samples: 16,
         background: [0.0; 3],
+        sampler: Sampler::Sobol,
+        filter: Filter::Box,
+        crop: None,
         tile: None,
     };
 
     /// Work to be done, in samples.
     pub fn total_samples(&self) -> u64 {
-        u64::from(self.width) * u64::from(self.height) * u64::from(self.samples)
+        let window = self.window();
+        u64::from(window.width) * u64::from(window.height) * u64::from(self.samples)
     }
 
-    /// The settings as the kernels take them, for the whole picture and all samples at once.
+    /// The settings as the kernels take them, for all that is rendered and all samples at once.
     pub(crate) fn launch(&self) -> LaunchSettings {
+        let window = self.window();
         LaunchSettings {
             width: self.width,
             height: self.height,
-            tile_x: 0,
-            tile_y: 0,
-            tile_width: self.width,
-            tile_height: self.height,
+            tile_x: window.x,
+            tile_y: window.y,
+            tile_width: window.width,
+            tile_height: window.height,
             first_sample: 0,
             samples: self.samples,
             seed: self.seed,
@@ -74,10 +85,10 @@ impl RenderSettings {
             renderer: self.renderer.number(),
             background: wgsl_rs::std::vec3f(self.background[0], self.background[1], self.background[2]),
             shadow_samples: self.shadow_samples.max(1),
+            sampler: self.sampler.code(),
+            sequence_bits: self.sequence_bits(),
+            reconstruction: self.filter.code(),
             counted: 0,
-            reserved_launch0: 0,
-            reserved_launch1: 0,
-            reserved_launch2: 0,
         }
     }
 }
@@ -101,10 +112,10 @@ pub trait Device {
     fn load(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn LoadedScene>, DeviceError>;
 }
 
-/// A piece of work: samples of some rows of a picture.
+/// A piece of work: samples of some rows of a picture, or of the window of it that is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Batch {
-    /// The uppermost row, from the top of the picture.
+    /// The uppermost row, from the top of the window.
     pub first_row: u32,
     /// Number of rows.
     pub rows: u32,
@@ -119,25 +130,25 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// All samples of the whole picture.
+    /// All samples of all that is rendered.
     pub fn whole(settings: &RenderSettings) -> Self {
         Batch {
             first_row: 0,
-            rows: settings.height,
+            rows: settings.window().height,
             first_sample: 0,
             samples: settings.samples,
             counted: false,
         }
     }
 
-    /// Number of pixels, for a picture of the given width.
-    pub(crate) fn pixels(&self, width: u32) -> usize {
-        width as usize * self.rows as usize
+    /// Number of pixels.
+    pub(crate) fn pixels(&self, settings: &RenderSettings) -> usize {
+        settings.window().width as usize * self.rows as usize
     }
 
     pub(crate) fn launch(&self, settings: &RenderSettings) -> LaunchSettings {
         LaunchSettings {
-            tile_y: self.first_row,
+            tile_y: settings.window().y + self.first_row,
             tile_height: self.rows,
             first_sample: self.first_sample,
             samples: self.samples,
@@ -181,12 +192,12 @@ pub trait LoadedScene {
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError>;
 
-    /// Renders a whole picture in memory.
+    /// Renders all in memory.
     ///
     /// # Errors
     /// As [`LoadedScene::add_samples`].
     fn render(&self, settings: &RenderSettings, progress: &Progress<'_>) -> Result<Film, DeviceError> {
-        let mut film = Film::new(settings.width, settings.height);
+        let mut film = Film::of(settings);
         self.add_samples(settings, &Batch::whole(settings), &mut film.pixels, progress)?;
         Ok(film)
     }

@@ -3,11 +3,11 @@
 use crate::cpu::Slices;
 use crate::{CompiledScene, RenderSettings};
 use kernels::bsdf::kernel::{EVENT_ABSORBED, EVENT_MIRRORED, EVENT_PASSED, EVENT_SCATTERED};
-use kernels::camera::kernel::camera_ray;
+use kernels::camera::kernel::sampled_camera_ray;
 use kernels::hit::kernel::hit_surface;
 use kernels::mesh::kernel::facing_normal;
 use kernels::path::kernel::{EVENT_ESCAPED, EVENT_STOPPED, PathState, extend_path, start_path};
-use kernels::random::kernel::{SampleKey, pixel_position};
+use kernels::random::kernel::sample_key;
 use kernels::records::kernel::NONE;
 use kernels::shape::kernel::Ray;
 use kernels::traversal::kernel::{Hit, closest_hit};
@@ -41,16 +41,10 @@ fn path_events(
     sample: u32,
 ) -> fmt::Result {
     let slices = Slices { scene };
-    let key =
-        SampleKey { pixel: y.wrapping_mul(settings.width).wrapping_add(x), sample, seed: settings.seed };
-    let position = pixel_position(key, settings.grid.max(1));
     let launch = settings.launch();
-    let first = camera_ray(scene.header, launch, x as f32 + position.x, y as f32 + position.y);
-    writeln!(
-        text,
-        "pixel {x},{y} sample {sample}, through {:.4},{:.4} of the pixel",
-        position.x, position.y
-    )?;
+    let key = sample_key(launch, x, y, sample);
+    let first = sampled_camera_ray(scene.header, launch, key, x, y);
+    writeln!(text, "pixel {x},{y} sample {sample}")?;
     let mut path = start_path(first);
     while path.goes_on {
         let hit = closest_hit(slices, path.ray, key, path.segment);

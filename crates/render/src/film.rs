@@ -1,5 +1,6 @@
 //! What a rendering collects: sums per pixel.
 
+use crate::RenderSettings;
 use kernels::records::kernel::FilmPixel;
 
 /// A picture in the making: for every pixel the sums of radiance and of its squares.
@@ -18,6 +19,12 @@ impl Film {
     pub fn new(width: u32, height: u32) -> Self {
         let pixel: FilmPixel = bytemuck::Zeroable::zeroed();
         Film { width, height, pixels: vec![pixel; width as usize * height as usize] }
+    }
+
+    /// An empty film for all that is rendered with some settings.
+    pub(crate) fn of(settings: &RenderSettings) -> Self {
+        let window = settings.window();
+        Self::new(window.width, window.height)
     }
 
     /// Mean radiance of a pixel in W/(m² sr) per channel; black where nothing was sampled.

@@ -16,6 +16,7 @@ mod open;
 mod passes;
 mod picture;
 mod renderer;
+mod sampling;
 
 pub use bands::{BAND_BYTES, Band, BandStatistics, Sampling, band_rows, render_bands};
 pub use compile::{Acceleration, CompileError, CompiledScene, compile, compile_with};
@@ -30,3 +31,4 @@ pub use picture::{
     check_writable, stream_picture, write_picture, write_whole_file,
 };
 pub use renderer::Renderer;
+pub use sampling::{CropWindow, Filter, Sampler};

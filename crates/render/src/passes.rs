@@ -97,7 +97,7 @@ pub fn render_until(
     rule: StopRule,
     progress: &Progress<'_>,
 ) -> Result<Film, DeviceError> {
-    let mut film = Film::new(settings.width, settings.height);
+    let mut film = Film::of(settings);
     let start = Instant::now();
     let (mut samples, mut done) = (0, 0);
     let mut noise = None;

@@ -10,7 +10,7 @@ use common::access::Access;
 use common::*;
 use kernels::light::kernel::distribution_density;
 use kernels::light_tree::kernel::{choose_light, light_importance, light_probability, total_importance};
-use kernels::random::kernel::{SampleKey, random4};
+use kernels::random::kernel::{independent_key, random4};
 use kernels::records::kernel::{LIGHT_GROUP, NONE};
 use kernels::warp::kernel::polar_direction;
 use render::{CompiledScene, compile};
@@ -112,7 +112,7 @@ fn lamps_of_one_kind_share_their_table() {
 
 /// Random numbers of a fixed seed.
 fn random(index: u32, dimension: u32) -> [f64; 4] {
-    random4(SampleKey { pixel: index, sample: 0, seed: 77 }, dimension).to_array().map(f64::from)
+    random4(independent_key(index, 0, 77), dimension).to_array().map(f64::from)
 }
 
 /// Lamps of all kinds with a place, of very different power, scattered in a room.
@@ -213,7 +213,7 @@ fn lights_are_chosen_as_often_as_their_probability_says() {
         let mut counts = vec![0f64; compiled.lights.len()];
         let mut failed = 0f64;
         for i in 0..n {
-            let u = random4(SampleKey { pixel: i, sample: place, seed: 3 }, 0).x;
+            let u = random4(independent_key(i, place, 3), 0).x;
             let choice = choose_light(access, point, total, u);
             if choice.index == NONE {
                 failed += 1.0;

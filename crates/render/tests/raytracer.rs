@@ -33,7 +33,7 @@ fn probed(depth: u32) -> RenderSettings {
 
 /// A camera that looks down along parallel rays; `width` is that of the picture in metres.
 fn look_down(b: &mut Builder, width: f64) {
-    b.scene.camera = Camera { view_from_world: at(0.0, 0.0, -10.0), projection: PARALLEL(width) };
+    b.scene.camera = Camera { view_from_world: at(0.0, 0.0, -10.0), projection: PARALLEL(width), lens: None };
 }
 
 /// The mean of a function of the point of the picture over a pixel, or `None` where it is not defined all over.

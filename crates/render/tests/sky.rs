@@ -8,7 +8,7 @@ mod common;
 
 use common::access::Access;
 use common::*;
-use kernels::random::kernel::{SampleKey, random4};
+use kernels::random::kernel::{independent_key, random4};
 use kernels::records::kernel::LIGHT_SKY;
 use kernels::sky::kernel::{sample_table, table_pdf, to_light_axes};
 use render::compile;
@@ -169,7 +169,7 @@ fn directions_follow_the_density_of_the_table() {
     let mut counts = [0f64; 128];
     let mut expected = [0f64; 128];
     for i in 0..n {
-        let r = random4(SampleKey { pixel: i, sample: 0, seed: 5 }, 0);
+        let r = random4(independent_key(i, 0, 5), 0);
         let drawn = sample_table(access, light, vec2f(r.x, r.y));
         counts[bin(drawn.direction)] += 1.0;
         let found = table_pdf(access, light, drawn.direction);

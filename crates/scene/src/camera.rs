@@ -9,6 +9,18 @@ pub struct Camera {
     pub view_from_world: DAffine3,
     /// How view space is mapped to the picture.
     pub projection: Projection,
+    /// Blurs what is out of focus; `None` draws everything sharply.
+    pub lens: Option<Lens>,
+}
+
+/// A thin lens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// Radius of its opening in metres, at least 0.
+    pub radius: f64,
+    /// Distance of the plane that is drawn sharply, in metres along the view direction, positive. `None` for the
+    /// surface that the middle of the picture shows.
+    pub focus: Option<f64>,
 }
 
 /// How view space is mapped to the picture.
@@ -38,6 +50,7 @@ impl Default for Camera {
         Camera {
             view_from_world: DAffine3::from_mat3_translation(rows, DVec3::new(0.0, 0.0, -8.0)),
             projection: Projection::Perspective { fov_x: std::f64::consts::FRAC_PI_3, aspect: 1.0 },
+            lens: None,
         }
     }
 }
@@ -52,6 +65,7 @@ impl Camera {
         Camera {
             view_from_world: world_from_view.inverse(),
             projection: Projection::Perspective { fov_x, aspect: 1.0 },
+            lens: None,
         }
     }
 }

@@ -20,7 +20,7 @@ mod object;
 mod shape;
 mod volume;
 
-pub use camera::{Camera, Projection};
+pub use camera::{Camera, Lens, Projection};
 pub use channel::{BlendItem, Channel, ChannelId, CoordinateMap, NeighbourFilter, NormalMap};
 pub use distribution::Distribution;
 pub use effort::Effort;

@@ -1,5 +1,9 @@
-use super::{CompileError, affine};
-use kernels::records::kernel::{CAMERA_PARALLEL, CAMERA_PERSPECTIVE, SceneHeader};
+use super::{CompileError, CompiledScene, affine};
+use crate::cpu::Slices;
+use kernels::camera::kernel::camera_ray;
+use kernels::random::kernel::independent_key;
+use kernels::records::kernel::{CAMERA_PARALLEL, CAMERA_PERSPECTIVE, NONE, SceneHeader};
+use kernels::traversal::kernel::closest_hit;
 use scene::{Camera, DAffine3, DVec3, Projection};
 
 /// The header with the camera filled in and all tables empty.
@@ -25,6 +29,17 @@ pub(super) fn compile_camera(
     if !usable {
         return Err(CompileError::DegenerateCamera);
     }
+    let (lens_radius, vergence) = match camera.lens {
+        None => (0.0, 0.0),
+        Some(lens) => {
+            let vergence = lens.focus.map_or(0.0, f64::recip);
+            let radius = lens.radius;
+            if !(radius >= 0.0 && radius.is_finite() && vergence >= 0.0 && vergence.is_finite()) {
+                return Err(CompileError::DegenerateLens);
+            }
+            (radius, vergence)
+        }
+    };
     Ok(SceneHeader {
         world_from_view: affine(&local_from_view),
         view_scale_x: scale_x as f32,
@@ -37,7 +52,25 @@ pub(super) fn compile_camera(
         distant_lights: 0,
         ambient: wgsl_rs::std::vec3f(0.0, 0.0, 0.0),
         all_lights: 0,
+        lens_radius: lens_radius as f32,
+        vergence: vergence as f32,
+        reserved0: 0,
+        reserved1: 0,
     })
+}
+
+/// Focuses on the surface that the middle of the picture shows; at infinity if there is none.
+pub(super) fn focus_on_middle(compiled: &mut CompiledScene) {
+    let settings = crate::RenderSettings { width: 2, height: 2, ..Default::default() }.launch();
+    let ray = camera_ray(compiled.header, settings, 1.0, 1.0);
+    let hit = closest_hit(Slices { scene: compiled }, ray, independent_key(0, 0, 0), 0);
+    let mut distance = f64::from(hit.shape.t);
+    if compiled.header.camera == CAMERA_PARALLEL {
+        // These rays start behind the view plane.
+        distance -= f64::from(compiled.header.start_distance);
+    }
+    let vergence = if hit.object == NONE || distance == 0.0 { 0.0 } else { distance.recip() };
+    compiled.header.vergence = vergence as f32;
 }
 
 /// Height above the view plane from which parallel rays see all finite objects, in metres.

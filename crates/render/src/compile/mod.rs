@@ -134,6 +134,9 @@ pub enum CompileError {
     /// The camera's numbers make no picture.
     #[error("the camera cannot be used: its placement or opening angle is zero or not a number")]
     DegenerateCamera,
+    /// The lens's numbers make no picture.
+    #[error("the camera's lens cannot be used: its radius or its focus is negative or not a number")]
+    DegenerateLens,
 }
 
 impl CompiledScene {
@@ -205,6 +208,9 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
         triangles,
     };
     environment::add_sky_densities(&mut compiled);
+    if scene.camera.lens.is_some_and(|lens| lens.focus.is_none()) {
+        camera::focus_on_middle(&mut compiled);
+    }
     Ok(compiled)
 }
 

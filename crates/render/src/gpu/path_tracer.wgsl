@@ -144,7 +144,11 @@ struct SceneHeader {
     lights: u32,
     distant_lights: u32,
     ambient: vec3f,
-    all_lights: u32
+    all_lights: u32,
+    lens_radius: f32,
+    vergence: f32,
+    reserved0: u32,
+    reserved1: u32
 }
 const RENDERER_PATH_TRACER: u32 = 0u;
 const RENDERER_RAY_TRACER: u32 = 1u;
@@ -164,11 +168,12 @@ struct LaunchSettings {
     renderer: u32,
     background: vec3f,
     shadow_samples: u32,
-    counted: u32,
-    reserved_launch0: u32,
-    reserved_launch1: u32,
-    reserved_launch2: u32
+    sampler: u32,
+    sequence_bits: u32,
+    reconstruction: u32,
+    counted: u32
 }
+const MAX_SEQUENCE_BITS: u32 = 20u;
 
 struct FilmPixel {
     radiance: vec3f,
@@ -621,10 +626,92 @@ fn offset_origin(point: SurfacePoint, direction: vec3f) -> vec3f {
     return (point.position + (point.normal * (side * point.error)));
 }
 
+const BLOCK_LEVELS: u32 = 4u;
+
+fn mix_bits(bits: u32) -> u32 {
+    var x = bits;
+    x = (x ^ (x >> 16u));
+    x *= 2246822507u;
+    x = (x ^ (x >> 13u));
+    x *= 3266489909u;
+    return (x ^ (x >> 16u));
+}
+
+fn permute_upwards(bits: u32, seed: u32) -> u32 {
+    var x = bits;
+    x = (x ^ (x * 1025551850u));
+    x += seed;
+    x *= ((seed >> 16u) | 1u);
+    x = (x ^ (x * 89287766u));
+    return (x ^ (x * 1403136100u));
+}
+
+fn nested_uniform_scramble(bits: u32, seed: u32) -> u32 {
+    return reverseBits(permute_upwards(reverseBits(bits), seed));
+}
+
+fn sobol4(index: u32) -> vec4u {
+    var y = index;
+    y = (y ^ ((y >> 1u) & 1431655765u));
+    y = (y ^ ((y >> 2u) & 858993459u));
+    y = (y ^ ((y >> 4u) & 252645135u));
+    y = (y ^ ((y >> 8u) & 16711935u));
+    y = (y ^ (y >> 16u));
+    var z: u32 = 0u;
+    var z0: u32 = 1u;
+    var z1: u32 = 3u;
+    var w: u32 = 0u;
+    var w0: u32 = 1u;
+    var w1: u32 = 3u;
+    var w2: u32 = 4u;
+    var rest = index;
+    while (rest != 0u) {
+        if ((rest & 1u) != 0u) {
+            z = (z ^ z0);
+            w = (w ^ w0);
+        }
+        let z2 = ((z1 ^ z0) ^ (z0 << 2u));
+        z0 = z1;
+        z1 = z2;
+        let w3 = ((w1 ^ w0) ^ (w0 << 3u));
+        w0 = w1;
+        w1 = w2;
+        w2 = w3;
+        rest = (rest >> 1u);
+    }
+    return vec4u(index, y, z, w);
+}
+
+fn scrambled_sobol4(index: u32, seeds: vec4u) -> vec4u {
+    let point = sobol4(index);
+    return vec4u(reverseBits(permute_upwards(point.x, seeds.x)), reverseBits(permute_upwards(point.y, seeds.y)), reverseBits(permute_upwards(point.z, seeds.z)), reverseBits(permute_upwards(point.w, seeds.w)));
+}
+
+fn z_order(x: u32, y: u32, seed: u32) -> u32 {
+    var place: u32 = 0u;
+    for (var i = 0u; i < BLOCK_LEVELS; i++) {
+        let level = ((BLOCK_LEVELS - 1u) - i);
+        let right = ((x >> level) & 1u);
+        let down = ((y >> level) & 1u);
+        let random = mix_bits((seed ^ (((1u << (2u * i)) | place) * 2654435769u)));
+        let first = (1u + ((random >> 8u) % 3u));
+        let second = (1u + ((first + ((random >> 4u) & 1u)) % 3u));
+        let quadrant = (((right * first) ^ (down * second)) ^ (random & 3u));
+        place = ((place << 2u) | quadrant);
+    }
+    return place;
+}
+
+const SAMPLER_INDEPENDENT: u32 = 0u;
+const SAMPLER_SOBOL: u32 = 1u;
+
 struct SampleKey {
     pixel: u32,
     sample: u32,
-    seed: u32
+    seed: u32,
+    index_mask: u32,
+    index: u32,
+    scramble: u32
 }
 const DIMENSION_PIXEL: u32 = 0u;
 const DIMENSION_FIRST_SURFACE: u32 = 1u;
@@ -655,20 +742,55 @@ fn unit_float(bits: u32) -> f32 {
     return (f32((bits >> 8u)) * 0.000000059604644775390625);
 }
 
+fn independent_key(pixel: u32, sample: u32, seed: u32) -> SampleKey {
+    return SampleKey(pixel, sample, seed, 0u, 0u, 0u);
+}
+
+fn sample_key(settings: LaunchSettings, x: u32, y: u32, sample: u32) -> SampleKey {
+    var key = independent_key(((y * settings.width) + x), sample, settings.seed);
+    if (settings.sampler == SAMPLER_SOBOL) {
+        let bits = settings.sequence_bits;
+        let repetition = (sample >> bits);
+        let block = pcg4d(vec4u((x >> BLOCK_LEVELS), (y >> BLOCK_LEVELS), (repetition ^ 2779096485u), settings.seed));
+        let edge_mask = ((1u << BLOCK_LEVELS) - 1u);
+        let place = z_order((x & edge_mask), (y & edge_mask), block.x);
+        key.index_mask = ((1u << (bits + (2u * BLOCK_LEVELS))) - 1u);
+        key.index = ((place << bits) | (sample & ((1u << bits) - 1u)));
+        key.scramble = block.y;
+    }
+    return key;
+}
+
 fn random4(key: SampleKey, dimension: u32) -> vec4f {
-    let bits = pcg4d(vec4u(key.pixel, key.sample, dimension, key.seed));
+    let sobol = (key.index_mask != 0u);
+    let first = select(key.pixel, key.scramble, sobol);
+    let second = select(key.sample, 3141592653u, sobol);
+    var bits = pcg4d(vec4u(first, second, dimension, key.seed));
+    if sobol {
+        let order = mix_bits((bits.x ^ (bits.w * 2654435769u)));
+        let index = (nested_uniform_scramble(key.index, order) & key.index_mask);
+        bits = scrambled_sobol4(index, bits);
+    }
     return vec4f(unit_float(bits.x), unit_float(bits.y), unit_float(bits.z), unit_float(bits.w));
 }
 
-fn pixel_position(key: SampleKey, grid: u32) -> vec2f {
+fn camera_numbers(key: SampleKey, grid: u32) -> vec4f {
     let jitter = random4(key, DIMENSION_PIXEL);
+    if (key.index_mask != 0u) {
+        return jitter;
+    }
     let cells = (grid * grid);
     let round = (key.sample / cells);
     let start = pcg4d(vec4u(key.pixel, round, 3735928559u, key.seed)).x;
     let cell = (((key.sample % cells) + (start % cells)) % cells);
     let column = (cell % grid);
     let row = (cell / grid);
-    return vec2f(((f32(column) + jitter.x) / f32(grid)), ((f32(row) + jitter.y) / f32(grid)));
+    return vec4f(((f32(column) + jitter.x) / f32(grid)), ((f32(row) + jitter.y) / f32(grid)), jitter.z, jitter.w);
+}
+
+fn pixel_position(key: SampleKey, grid: u32) -> vec2f {
+    let numbers = camera_numbers(key, grid);
+    return vec2f(numbers.x, numbers.y);
 }
 
 const LEAST_FACING: f32 = 1.0e-3;
@@ -2321,6 +2443,62 @@ fn sample_light_Buffers(
     return sample;
 }
 
+struct TracedLight {
+    radiance: vec3f,
+    rays: u32
+}
+
+struct LocalMaterial {
+    emissive: vec3f,
+    ambient: vec3f,
+    diffuse: vec3f,
+    diffuse_transmission: vec3f,
+    specular: vec3f,
+    exponent: f32,
+    mirrored: vec3f,
+    passed: vec3f
+}
+
+struct ViewedPoint {
+    point: SurfacePoint,
+    normal: vec3f,
+    wo: vec3f
+}
+const LOCAL_CHANNELS: u32 = 8u;
+const DIMENSION_SHADOW: u32 = 1073741824u;
+const LAMP_END: f32 = 0.9999;
+
+fn lambert(material: LocalMaterial, normal: vec3f, direction: vec3f) -> vec3f {
+    let cosine = dot(normal, direction);
+    if (cosine >= 0.0) {
+        return (material.diffuse * cosine);
+    }
+    return (material.diffuse_transmission * (-cosine));
+}
+
+fn local_illumination(material: LocalMaterial, normal: vec3f, wo: vec3f, direction: vec3f) -> vec3f {
+    let value = lambert(material, normal, direction);
+    if ((dot(normal, direction) <= 0.0) || (material.exponent >= MIRROR_EXPONENT)) {
+        return value;
+    }
+    let across = (wo + direction);
+    let along = (dot(normal, across) / sqrt(max(dot(across, across), 1.0e-20)));
+    return (value + (material.specular * pow(clamp(along, 1.0e-6, 1.0), material.exponent)));
+}
+
+fn attenuation(exponent: f32, reference: f32, distance: f32) -> f32 {
+    if ((exponent <= 0.0) || (reference <= 0.0)) {
+        return 1.0;
+    }
+    return (2.0 / (1.0 + pow((distance / reference), exponent)));
+}
+
+fn spread_point(i: u32, count: u32, shift: vec2f) -> vec2f {
+    let u = ((f32(i) / f32(count)) + shift.x);
+    let v = (unit_float((i * 2654435769u)) + shift.y);
+    return vec2f(min((u - floor(u)), 0.99999994), min((v - floor(v)), 0.99999994));
+}
+
 fn placement_error(group_from_world: Affine, world_from_group: Affine, point: SurfacePoint) -> f32 {
     let error_group = transform_magnitude(group_from_world, point.position);
     let error_world = transform_magnitude(world_from_group, transform_point(group_from_world, point.position));
@@ -2436,11 +2614,6 @@ fn with_normal_maps_Buffers(
     return result;
 }
 
-struct TracedLight {
-    radiance: vec3f,
-    rays: u32
-}
-
 struct PendingRay {
     origin: vec3f,
     direction: vec3f,
@@ -2448,59 +2621,9 @@ struct PendingRay {
     touched: u32,
     media: Media
 }
-
-struct LocalMaterial {
-    emissive: vec3f,
-    ambient: vec3f,
-    diffuse: vec3f,
-    diffuse_transmission: vec3f,
-    specular: vec3f,
-    exponent: f32,
-    mirrored: vec3f,
-    passed: vec3f
-}
 const MOST_PENDING: u32 = 12u;
 const LEAST_WEIGHT: f32 = 0.00390625;
 const MOST_RAYS: u32 = 512u;
-const LOCAL_CHANNELS: u32 = 8u;
-const DIMENSION_SHADOW: u32 = 1073741824u;
-const LAMP_END: f32 = 0.9999;
-
-fn lambert(material: LocalMaterial, normal: vec3f, direction: vec3f) -> vec3f {
-    let cosine = dot(normal, direction);
-    if (cosine >= 0.0) {
-        return (material.diffuse * cosine);
-    }
-    return (material.diffuse_transmission * (-cosine));
-}
-
-fn local_illumination(material: LocalMaterial, normal: vec3f, wo: vec3f, direction: vec3f) -> vec3f {
-    let value = lambert(material, normal, direction);
-    if ((dot(normal, direction) <= 0.0) || (material.exponent >= MIRROR_EXPONENT)) {
-        return value;
-    }
-    let across = (wo + direction);
-    let along = (dot(normal, across) / sqrt(max(dot(across, across), 1.0e-20)));
-    return (value + (material.specular * pow(clamp(along, 1.0e-6, 1.0), material.exponent)));
-}
-
-fn attenuation(exponent: f32, reference: f32, distance: f32) -> f32 {
-    if ((exponent <= 0.0) || (reference <= 0.0)) {
-        return 1.0;
-    }
-    return (2.0 / (1.0 + pow((distance / reference), exponent)));
-}
-
-fn spread_point(i: u32, count: u32, shift: vec2f) -> vec2f {
-    var bits = ((i << 16u) | (i >> 16u));
-    bits = (((bits & 16711935u) << 8u) | ((bits >> 8u) & 16711935u));
-    bits = (((bits & 252645135u) << 4u) | ((bits >> 4u) & 252645135u));
-    bits = (((bits & 858993459u) << 2u) | ((bits >> 2u) & 858993459u));
-    bits = (((bits & 1431655765u) << 1u) | ((bits >> 1u) & 1431655765u));
-    let u = ((f32(i) / f32(count)) + shift.x);
-    let v = (unit_float(bits) + shift.y);
-    return vec2f(min((u - floor(u)), 0.99999994), min((v - floor(v)), 0.99999994));
-}
 
 struct LightChoice {
     index: u32,
@@ -2608,16 +2731,144 @@ fn total_importance_Buffers(scene: Buffers, point: vec3f) -> f32 {
     return sum_of_importances_Buffers(scene, 0u, Buffers_header(scene).lights, point);
 }
 
+const FILTER_BOX: u32 = 0u;
+const FILTER_TENT: u32 = 1u;
+const FILTER_GAUSSIAN: u32 = 2u;
+const FILTER_BLACKMAN_HARRIS: u32 = 3u;
+const GAUSSIAN_SIGMA: f32 = 0.5;
+const GAUSSIAN_SHARE: f32 = 0.9973002;
+const BLACKMAN_HARRIS_RADIUS: f32 = 1.5;
+
+fn inverse_erf(y: f32) -> f32 {
+    let w = -log(((1.0 - y) * (1.0 + y)));
+    if (w < 5.0) {
+        let t = (w - 2.5);
+        var p: f32 = 0.0000000281022636;
+        p = (0.000000343273939 + (p * t));
+        p = (-0.0000035233877 + (p * t));
+        p = (-0.00000439150654 + (p * t));
+        p = (0.00021858087 + (p * t));
+        p = (-0.00125372503 + (p * t));
+        p = (-0.00417768164 + (p * t));
+        p = (0.246640727 + (p * t));
+        return ((1.50140941 + (p * t)) * y);
+    }
+    let t = (sqrt(w) - 3.0);
+    var p: f32 = -0.000200214257;
+    p = (0.000100950558 + (p * t));
+    p = (0.00134934322 + (p * t));
+    p = (-0.00367342844 + (p * t));
+    p = (0.00573950773 + (p * t));
+    p = (-0.0076224613 + (p * t));
+    p = (0.00943887047 + (p * t));
+    p = (1.00167406 + (p * t));
+    return ((2.83297682 + (p * t)) * y);
+}
+
+fn blackman_harris_pdf(x: f32) -> f32 {
+    let angle = (3.14159265358979 * x);
+    return (0.5 + ((((0.48829 * cos(angle)) + (0.14128 * cos((2.0 * angle)))) + (0.01168 * cos((3.0 * angle)))) / 0.7175));
+}
+
+fn blackman_harris_cdf(x: f32) -> f32 {
+    let angle = (3.14159265358979 * x);
+    let waves = (((0.48829 * sin(angle)) + (0.07064 * sin((2.0 * angle)))) + (0.00389333 * sin((3.0 * angle))));
+    return ((0.5 + (0.5 * x)) + (waves / (3.14159265358979 * 0.7175)));
+}
+
+fn inverse_blackman_harris(u: f32) -> f32 {
+    var low: f32 = -1.0;
+    var high: f32 = 1.0;
+    var x = clamp((0.3917 * inverse_erf((((2.0 * u) - 1.0) * 0.9999))), -0.95, 0.95);
+    for (var _step = 0; _step < 8; _step++) {
+        let error = (blackman_harris_cdf(x) - u);
+        if (error > 0.0) {
+            high = x;
+        } else {
+            low = x;
+        }
+        let next = (x - (error / max(blackman_harris_pdf(x), 0.0001)));
+        x = select((0.5 * (low + high)), next, ((next >= low) && (next <= high)));
+    }
+    return x;
+}
+
+fn filter_offset(kind: u32, u: f32) -> f32 {
+    if (kind == FILTER_TENT) {
+        if (u < 0.5) {
+            return (sqrt((2.0 * u)) - 1.0);
+        }
+        return (1.0 - sqrt((2.0 - (2.0 * u))));
+    }
+    if (kind == FILTER_GAUSSIAN) {
+        return ((1.41421356 * GAUSSIAN_SIGMA) * inverse_erf((((2.0 * u) - 1.0) * GAUSSIAN_SHARE)));
+    }
+    if (kind == FILTER_BLACKMAN_HARRIS) {
+        return (BLACKMAN_HARRIS_RADIUS * inverse_blackman_harris(u));
+    }
+    return (u - 0.5);
+}
+
+fn filter_position(kind: u32, u: vec2f) -> vec2f {
+    if (kind == FILTER_BOX) {
+        return u;
+    }
+    return vec2f((0.5 + filter_offset(kind, u.x)), (0.5 + filter_offset(kind, u.y)));
+}
+
 fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> Ray {
+    return lens_ray(header, settings, x, y, vec2f(0.0, 0.0));
+}
+
+fn lens_ray(
+    header: SceneHeader,
+    settings: LaunchSettings,
+    x: f32,
+    y: f32,
+    lens: vec2f,
+) -> Ray {
     let width = f32(settings.width);
     let image_x = ((((2.0 * x) - width) / width) * header.view_scale_x);
     let image_y = (((f32(settings.height) - (2.0 * y)) / width) * header.view_scale_y);
+    let shift = (lens * header.lens_radius);
+    let slope = (shift * header.vergence);
     if (header.camera == CAMERA_PARALLEL) {
-        let start = vec3f(image_x, image_y, header.start_distance);
-        return Ray(transform_point(header.world_from_view, start), normalize(transform_vector(header.world_from_view, vec3f(0.0, 0.0, -1.0))));
+        let start = (shift + (slope * header.start_distance));
+        return Ray(transform_point(header.world_from_view, vec3f((image_x + start.x), (image_y + start.y), header.start_distance)), normalize(transform_vector(header.world_from_view, vec3f(-slope.x, -slope.y, -1.0))));
     }
-    let direction = vec3f(image_x, image_y, -1.0);
-    return Ray(transform_point(header.world_from_view, vec3f(0.0, 0.0, 0.0)), normalize(transform_vector(header.world_from_view, direction)));
+    let direction = vec3f((image_x - slope.x), (image_y - slope.y), -1.0);
+    return Ray(transform_point(header.world_from_view, vec3f(shift.x, shift.y, 0.0)), normalize(transform_vector(header.world_from_view, direction)));
+}
+
+fn concentric_disc(u: vec2f) -> vec2f {
+    let a = ((2.0 * u.x) - 1.0);
+    let b = ((2.0 * u.y) - 1.0);
+    if ((a == 0.0) && (b == 0.0)) {
+        return vec2f(0.0, 0.0);
+    }
+    let quarter_pi: f32 = 0.785398163397448;
+    if (abs(a) > abs(b)) {
+        let angle = (quarter_pi * (b / a));
+        return vec2f((a * cos(angle)), (a * sin(angle)));
+    }
+    let angle = (quarter_pi * (a / b));
+    return vec2f((b * sin(angle)), (b * cos(angle)));
+}
+
+fn sampled_camera_ray(
+    header: SceneHeader,
+    settings: LaunchSettings,
+    key: SampleKey,
+    x: u32,
+    y: u32,
+) -> Ray {
+    let numbers = camera_numbers(key, settings.grid);
+    let position = filter_position(settings.reconstruction, vec2f(numbers.x, numbers.y));
+    var lens = vec2f(0.0, 0.0);
+    if (header.lens_radius > 0.0) {
+        lens = concentric_disc(vec2f(numbers.z, numbers.w));
+    }
+    return lens_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y), lens);
 }
 
 struct PathSample {
@@ -2857,9 +3108,8 @@ fn render_pixel_Buffers(
     var film = before;
     let count = launched_samples(settings, before.samples);
     for (var i = 0u; i < count; i++) {
-        let key = SampleKey(((y * settings.width) + x), (settings.first_sample + i), settings.seed);
-        let position = pixel_position(key, settings.grid);
-        let ray = camera_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y));
+        let key = sample_key(settings, x, y, (settings.first_sample + i));
+        let ray = sampled_camera_ray(header, settings, key, x, y);
         let path = trace_sample_Buffers(scene, settings, key, ray);
         film.radiance += path.radiance;
         film.squares += (path.radiance * path.radiance);
@@ -2948,9 +3198,8 @@ fn layers_of_pixel_Buffers(
     let header = Buffers_header(scene);
     var layers = before;
     for (var i = 0u; i < settings.samples; i++) {
-        let key = SampleKey(((y * settings.width) + x), (settings.first_sample + i), settings.seed);
-        let position = pixel_position(key, settings.grid);
-        let ray = camera_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y));
+        let key = sample_key(settings, x, y, (settings.first_sample + i));
+        let ray = sampled_camera_ray(header, settings, key, x, y);
         layers = add_first_hit_Buffers(scene, key, ray, layers);
     }
     return layers;

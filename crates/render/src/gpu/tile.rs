@@ -44,7 +44,7 @@ impl<'a> TileRenderer<'a> {
         let edge = self.settings.tile.unwrap_or(default).max(1);
         let limit = self.gpu.device.limits().max_storage_buffer_binding_size.min(TILE_BYTES);
         let most = u32::try_from(limit / pixel_bytes).unwrap_or(u32::MAX).max(1);
-        let width = edge.min(self.settings.width).min(most);
+        let width = edge.min(self.settings.window().width).min(most);
         (width, edge.min(batch.rows).min(most / width).max(1))
     }
 
@@ -56,8 +56,8 @@ impl<'a> TileRenderer<'a> {
         progress: &Progress<'_>,
         most: &dyn Fn(&[P]) -> u32,
     ) -> Result<(), DeviceError> {
-        let width = self.settings.width;
-        assert_eq!(pixels.len(), batch.pixels(width), "pixels of a batch");
+        let width = self.settings.window().width;
+        assert_eq!(pixels.len(), batch.pixels(self.settings), "pixels of a batch");
         if pixels.is_empty() {
             return Ok(());
         }

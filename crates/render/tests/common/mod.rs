@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the failure report")]
 
 pub mod access;
+pub mod convergence;
 pub mod garden;
 
 use render::gpu::Gpu;
