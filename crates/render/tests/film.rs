@@ -82,7 +82,9 @@ fn in_two_batches(loaded: &dyn LoadedScene, settings: &RenderSettings) -> Film {
 /// Pixels that ask for all samples get what all get, the others fewer.
 fn assert_counted_batches(loaded: &dyn LoadedScene, settings: &RenderSettings) {
     let all = loaded.render(settings, &go_on).unwrap();
-    let one = loaded.render(&RenderSettings { samples: 1, ..settings.clone() }, &go_on).unwrap();
+    let mut one = Film::new(settings.width, settings.height);
+    let first = Batch { samples: 1, ..Batch::whole(settings) };
+    loaded.add_samples(settings, &first, &mut one.pixels, &go_on).unwrap();
     let mut film = one.clone();
     for (i, pixel) in film.pixels.iter_mut().enumerate() {
         pixel.samples = if i % 3 == 0 { settings.samples } else { 1 };
