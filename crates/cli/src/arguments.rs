@@ -4,11 +4,13 @@ use crate::camera_arguments::CameraArguments;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use render::{
-    Acceleration, CropWindow, DeviceChoice, Filter, PictureFormat, RenderSettings, Renderer, Sampler,
+    Acceleration, CropWindow, DeviceChoice, Filter, Layers, PictureFormat, RenderSettings, Renderer, Sampler,
+    Sampling, StopRule,
 };
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::time::Duration;
 
 /// Makes physically based pictures of GroIMP plant models.
 #[derive(Debug, Parser)]
@@ -53,10 +55,22 @@ pub struct RenderArguments {
     #[arg(long, value_name = "RENDERER", default_value_t = RenderSettings::default().renderer)]
     pub renderer: Renderer,
 
-    /// Light paths followed per pixel; four times as many halve the noise and take four times as long
-    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().samples,
-          value_parser = whole_number(1..=u32::MAX))]
-    pub samples: u32,
+    /// Light paths followed per pixel; four times as many halve the noise and take four times as long. With --time or
+    /// --noise the most that a pixel gets [default: 64; without bound with --time or --noise]
+    #[arg(long, value_name = "N", value_parser = whole_number(1..=u32::MAX))]
+    pub samples: Option<u32>,
+
+    /// Render until this time is over, for example 90, 90s, 10m or 1h30m; at least one path per pixel is followed
+    #[arg(long, value_name = "LIMIT", value_parser = parse_time)]
+    pub time: Option<Duration>,
+
+    /// Render until the estimated relative error of the pixels is at most this, for example 0.02 or 2%
+    #[arg(long, value_name = "LEVEL", value_parser = parse_noise)]
+    pub noise: Option<f64>,
+
+    /// Spend more of the samples where the picture is noisy; --samples is the average
+    #[arg(long, conflicts_with_all = ["time", "noise"])]
+    pub adaptive: bool,
 
     /// Number of surfaces that a light path may touch; 1 shows direct light only, shaded leaves need 5 or more
     #[arg(long, value_name = "N", default_value_t = RenderSettings::default().depth,
@@ -125,6 +139,25 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", value_parser = whole_number(1..=4096))]
     pub threads: Option<u32>,
 
+    /// What an .exr shall hold beside the picture, separated by commas: albedo, normal, depth, position, object,
+    /// material, samples, variance, or all
+    #[arg(long, value_name = "LAYERS", value_parser = str::parse::<Layers>)]
+    pub layers: Option<Layers>,
+
+    /// Instead of a picture, print everything that happens on the paths of one pixel, counted from the top left: the
+    /// first 4 or N of them, on the processor
+    #[arg(long, value_name = "X,Y[,N]", value_parser = str::parse::<Pixel>)]
+    pub pixel: Option<Pixel>,
+
+    /// Write the program that graphics cards run to this folder, in WGSL
+    #[arg(long, value_name = "DIR")]
+    pub dump_wgsl: Option<PathBuf>,
+
+    /// Render in squares of N x N pixels; it changes the memory taken, never the picture [default: 1024 on a graphics
+    /// card, 128 on one in software, strips on the processor]
+    #[arg(long, value_name = "N", value_parser = whole_number(1..=4096))]
+    pub tile: Option<u32>,
+
     /// Write times and counts to this file, as JSON
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
@@ -153,7 +186,7 @@ impl RenderArguments {
         RenderSettings {
             width: self.size.width,
             height: self.size.height,
-            samples: self.samples,
+            samples: self.samples.unwrap_or(RenderSettings::default().samples),
             depth: self.depth,
             grid: self.grid,
             seed: self.seed,
@@ -163,6 +196,20 @@ impl RenderArguments {
             sampler: self.sampler.into(),
             filter: self.filter.into(),
             crop: self.crop,
+            tile: self.tile,
+        }
+    }
+
+    /// How the samples are to be spread.
+    pub fn sampling(&self) -> Sampling {
+        match (self.time, self.noise) {
+            (None, None) if self.adaptive => Sampling::Adaptive,
+            (None, None) => Sampling::Uniform,
+            (time, noise) => Sampling::Until(StopRule {
+                time,
+                noise,
+                most_samples: self.samples.unwrap_or(StopRule::MOST_SAMPLES),
+            }),
         }
     }
 }
@@ -319,6 +366,30 @@ impl FromStr for Size {
     }
 }
 
+/// A pixel of a picture and how many of its paths are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pixel {
+    /// Column, from the left.
+    pub x: u32,
+    /// Row, from the top.
+    pub y: u32,
+    /// Number of paths.
+    pub samples: u32,
+}
+
+impl FromStr for Pixel {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Result<Vec<u32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+        match numbers.as_deref() {
+            Ok(&[x, y]) => Ok(Pixel { x, y, samples: 4 }),
+            Ok(&[x, y, samples]) => Ok(Pixel { x, y, samples }),
+            _ => Err("expected column and row of a pixel, for example 320,240, or 320,240,16".to_owned()),
+        }
+    }
+}
+
 /// A parser of whole numbers that says what is accepted.
 fn whole_number(range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, String> + Clone {
     move |text| {
@@ -335,6 +406,44 @@ fn parse_exposure(text: &str) -> Result<f32, String> {
     const LIMIT: f32 = 100.0;
     let stops = text.trim().parse().ok().filter(|stops: &f32| stops.abs() <= LIMIT);
     stops.ok_or_else(|| format!("expected a number of stops from -{LIMIT} to {LIMIT}, for example -1.5"))
+}
+
+/// A time such as `90`, `90s`, `10m` or `1h30m`; a number without a unit is in seconds.
+fn parse_time(text: &str) -> Result<Duration, String> {
+    let wrong = || "expected a time, for example 90, 90s, 10m or 1h30m".to_owned();
+    let mut rest = text.trim();
+    let mut seconds = 0.0;
+    let mut last_unit = f64::INFINITY;
+    while !rest.is_empty() {
+        let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+        let number: f64 = rest[..end].parse().map_err(|_| wrong())?;
+        let mut after = rest[end..].chars();
+        let unit = match after.next() {
+            Some('h') => 3600.0,
+            Some('m') => 60.0,
+            Some('s') => 1.0,
+            None if seconds == 0.0 => 1.0,
+            _ => return Err(wrong()),
+        };
+        // Hours, then minutes, then seconds.
+        if unit >= last_unit {
+            return Err(wrong());
+        }
+        last_unit = unit;
+        seconds += number * unit;
+        rest = after.as_str();
+    }
+    Duration::try_from_secs_f64(seconds).ok().filter(|time| !time.is_zero()).ok_or_else(wrong)
+}
+
+/// A relative error, as a number or in percent.
+fn parse_noise(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    let level = number.trim().parse().ok().map(|number: f64| number * unit);
+    level
+        .filter(|level| (1e-6..=1.0).contains(level))
+        .ok_or_else(|| "expected a relative error up to 1, for example 0.02 or 2%".to_owned())
 }
 
 fn parse_acceleration(text: &str) -> Result<Acceleration, String> {
@@ -385,7 +494,7 @@ mod tests {
     fn render(words: &[&str]) -> Result<RenderArguments, clap::Error> {
         let all = ["sunshine", "render", "plant.gsz"].iter().chain(words);
         match Arguments::try_parse_from(all)?.command {
-            Command::Render(arguments) => Ok(arguments),
+            Command::Render(arguments) => Ok(*arguments),
             other => panic!("{other:?}"),
         }
     }
@@ -401,7 +510,9 @@ mod tests {
         assert_eq!(arguments.settings(), RenderSettings::default());
         assert_eq!(arguments.size, Size { width: 640, height: 480 });
         assert_eq!(arguments.device, DeviceChoice::Auto);
-        assert_eq!((arguments.samples, arguments.depth, arguments.grid, arguments.seed), (64, 5, 3, 0));
+        assert_eq!((arguments.depth, arguments.grid, arguments.seed), (5, 3, 0));
+        assert_eq!(arguments.settings().samples, 64);
+        assert_eq!(arguments.sampling(), Sampling::Uniform);
         assert_eq!(arguments.read_options(), groimp::ReadOptions::default());
         assert!(arguments.output.is_none() && arguments.exposure.is_none() && !arguments.quiet);
     }
@@ -505,6 +616,40 @@ mod tests {
     #[test]
     fn images_may_be_srgb() {
         assert!(render(&["--srgb-textures"]).unwrap().read_options().srgb_textures);
+    }
+
+    #[test]
+    fn times_noise_and_pixels() {
+        let seconds = |text: &str| parse_time(text).map(|time| time.as_secs_f64());
+        assert_eq!(seconds("90"), Ok(90.0));
+        assert_eq!(seconds("1.5s"), Ok(1.5));
+        assert_eq!(seconds("10m"), Ok(600.0));
+        assert_eq!(seconds("1h30m"), Ok(5400.0));
+        for wrong in ["", "0", "m", "1d", "30m1h", "1h30", "-1s", "1m2m", "nan", "1e999", "s1"] {
+            assert!(parse_time(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(parse_noise("0.02"), Ok(0.02));
+        assert_eq!(parse_noise("2 %"), Ok(0.02));
+        for wrong in ["", "0", "-1", "nan", "2", "%"] {
+            assert!(parse_noise(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!("3,4".parse(), Ok(Pixel { x: 3, y: 4, samples: 4 }));
+        assert_eq!("3, 4, 1".parse(), Ok(Pixel { x: 3, y: 4, samples: 1 }));
+        for wrong in ["", "3", "3,", "3,-4", "1,2,3,4"] {
+            assert!(wrong.parse::<Pixel>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_time_or_a_noise_lifts_the_bound_on_samples() {
+        let rule = |words: &[&str]| match render(words).unwrap().sampling() {
+            Sampling::Until(rule) => rule,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(rule(&["--time", "1m"]).most_samples, StopRule::MOST_SAMPLES);
+        assert_eq!(rule(&["--noise", "1%", "--samples", "100"]).most_samples, 100);
+        assert_eq!(render(&["--adaptive"]).unwrap().sampling(), Sampling::Adaptive);
+        assert!(render(&["--adaptive", "--time", "1m"]).is_err());
     }
 
     #[test]

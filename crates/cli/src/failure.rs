@@ -1,7 +1,7 @@
 //! Everything that can go wrong, with the exit code it has.
 
 use groimp::ReadError;
-use render::{CompileError, DeviceError, PictureError};
+use render::{CompileError, DeviceError, PictureError, RenderError};
 use std::error::Error;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -45,6 +45,9 @@ pub enum Failure {
     /// The picture could not be written.
     #[error(transparent)]
     Picture(#[from] PictureError),
+    /// The picture could not be rendered into its file.
+    #[error(transparent)]
+    Render(#[from] RenderError),
     /// Statistics could not be written.
     #[error("the statistics cannot be written to {}", path.display())]
     Statistics {

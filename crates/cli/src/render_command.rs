@@ -1,12 +1,18 @@
 //! `sunshine render`: from a scene file to a picture file.
 
-use crate::arguments::RenderArguments;
+use crate::arguments::{Pixel, RenderArguments};
 use crate::failure::Failure;
-use crate::progress::Messages;
+use crate::progress::{Messages, RenderProgress};
 use crate::statistics::{Seconds, Statistics, count_text, duration_text, timed};
-use render::{Film, PictureFormat, RenderSettings};
+use render::{
+    BAND_BYTES, BandStatistics, Origins, PictureFormat, PictureTarget, RenderSettings, Renderer, Sampling,
+    StopRule,
+};
+use std::io::{self, Write};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Renders and writes the picture; returns the summary to print.
 pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
@@ -18,8 +24,22 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     let format = PictureFormat::from_path(&output)?;
     check_outputs(&output, arguments.stats.as_deref())?;
 
+    let layers = arguments.layers.clone().unwrap_or_default();
+    if !layers.is_empty() && format != PictureFormat::Exr {
+        return Err(Failure::Usage(format!(
+            "--layers needs an .exr; {} has no place for them",
+            output.display()
+        )));
+    }
+    if let Some(directory) = &arguments.dump_wgsl {
+        write_kernels(directory, messages)?;
+    }
+
     let mut seconds = Seconds::default();
     let threads = arguments.threads.map(|threads| threads as usize);
+    if let Some(pixel) = arguments.pixel {
+        return pixel_events(arguments, pixel, messages);
+    }
     // A device that is not there is told before a large scene is read.
     let device =
         timed(&mut seconds.open, || render::open_device_for(arguments.device, threads, settings.renderer))?;
@@ -32,29 +52,134 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
         Arc::new(timed(&mut seconds.compile, || render::compile_with(&project.scene, arguments.accel))?);
     let loaded = timed(&mut seconds.upload, || device.load(Arc::clone(&scene)))?;
 
-    let progress = messages.follow(settings.total_samples());
-    let film = timed(&mut seconds.render, || loaded.render(&settings, &|done| progress.update(done)))?;
+    let progress = Follower::new(arguments, &settings, messages);
+    let origins = Origins::of(&scene);
+    let target = PictureTarget {
+        path: &output,
+        width: settings.window().width,
+        height: settings.window().height,
+        exposure: arguments.exposure,
+        layers: &layers,
+        origins: &origins,
+    };
+    let mut rendered = BandStatistics::default();
+    let mut total = 0.0;
+    let stops = timed(&mut total, || {
+        render::stream_picture(&target, |sink| {
+            // Rows are written while others are still to be rendered.
+            let (mut producing, mut writing) = (0.0, 0.0);
+            rendered = timed(&mut producing, || {
+                render::render_bands(
+                    loaded.as_ref(),
+                    &settings,
+                    arguments.sampling(),
+                    layers.are_traced(),
+                    BAND_BYTES,
+                    &|done| progress.update(done),
+                    &mut |band| {
+                        let mut step = 0.0;
+                        let result = timed(&mut step, || sink(band));
+                        writing += step;
+                        result
+                    },
+                )
+            })?;
+            seconds.render = producing - writing;
+            Ok(())
+        })
+    })?;
+    seconds.write = total - seconds.render;
     progress.finish();
 
-    if film.is_black() {
+    if rendered.black {
         messages.line(
             "warning: the picture is black: nothing that the camera sees is lit. `sunshine info` shows where the camera and \
              the objects are",
         );
     }
-    let exposure = Exposure::choose(format, arguments.exposure, &film);
-    timed(&mut seconds.write, || render::write_picture(&film, &output, exposure.stops()))?;
-
-    let mut statistics = Statistics::new(&settings, &film);
+    let exposure = Exposure::of(format, arguments.exposure, stops);
+    let mut statistics = Statistics::new(&settings, &rendered);
     statistics.device = device.name();
     statistics.objects = project.scene.drawn_objects();
     statistics.triangles = scene.triangles();
-    statistics.exposure = format.is_exposed().then_some(exposure.stops());
+    statistics.exposure = format.is_exposed().then_some(stops);
     statistics.seconds = seconds;
     if let Some(path) = &arguments.stats {
         statistics.write(path)?;
     }
     Ok(if arguments.quiet { String::new() } else { summary(&statistics, exposure, &output) })
+}
+
+/// Progress as a share of the samples or of the time, whichever is known beforehand.
+struct Follower {
+    progress: RenderProgress,
+    total: u64,
+    start: Instant,
+    by_time: bool,
+}
+
+impl Follower {
+    fn new(arguments: &RenderArguments, settings: &RenderSettings, messages: Messages) -> Self {
+        let total = match arguments.sampling() {
+            Sampling::Until(StopRule { time: Some(time), .. }) => {
+                time.as_millis().try_into().unwrap_or(u64::MAX)
+            }
+            Sampling::Until(StopRule { most_samples: samples, .. }) => {
+                RenderSettings { samples, ..settings.clone() }.total_samples()
+            }
+            Sampling::Uniform | Sampling::Adaptive => settings.total_samples(),
+        };
+        let by_time = arguments.time.is_some();
+        Follower { progress: messages.follow(total), total, start: Instant::now(), by_time }
+    }
+
+    fn update(&self, samples: u64) -> ControlFlow<()> {
+        let milliseconds = || self.start.elapsed().as_millis().try_into().unwrap_or(u64::MAX);
+        self.progress.update(if self.by_time { milliseconds() } else { samples })
+    }
+
+    fn finish(&self) {
+        // A time or a noise may be reached a little before what was expected.
+        let _ = self.progress.update(self.total);
+        self.progress.finish();
+    }
+}
+
+/// Tells what happens on the paths of a pixel.
+fn pixel_events(arguments: &RenderArguments, pixel: Pixel, messages: Messages) -> Result<String, Failure> {
+    let settings = arguments.settings();
+    if settings.renderer != Renderer::PathTracer {
+        return Err(Failure::Usage("--pixel tells of the paths of the path tracer only".to_owned()));
+    }
+    if pixel.x >= settings.width || pixel.y >= settings.height {
+        return Err(Failure::Usage(format!(
+            "--pixel {},{} is outside of the picture, whose size is {}",
+            pixel.x, pixel.y, arguments.size
+        )));
+    }
+    let mut project = groimp::read_with(&arguments.scene, &arguments.read_options())
+        .map_err(Failure::reading(&arguments.scene))?;
+    messages.report(&project.report);
+    arguments.camera.apply(&mut project.scene)?;
+    let scene = render::compile_with(&project.scene, arguments.accel)?;
+    Ok(render::pixel_events(&scene, &settings, (pixel.x, pixel.y), pixel.samples))
+}
+
+/// Writes what graphics cards run.
+fn write_kernels(directory: &Path, messages: Messages) -> Result<(), Failure> {
+    let not_writable = |path: &Path| {
+        let path = path.to_owned();
+        move |source| Failure::NotWritable { path, source }
+    };
+    std::fs::create_dir_all(directory).map_err(not_writable(directory))?;
+    let sources = render::gpu::kernel_sources().map_err(io::Error::other).map_err(not_writable(directory))?;
+    for (name, text) in sources {
+        let path = directory.join(name);
+        render::write_whole_file(&path, |file| file.write_all(text.as_bytes()))
+            .map_err(not_writable(&path))?;
+        messages.line(&format!("wrote {}", path.display()));
+    }
+    Ok(())
 }
 
 /// How the brightness of the picture came about.
@@ -67,18 +192,11 @@ enum Exposure {
 }
 
 impl Exposure {
-    fn choose(format: PictureFormat, given: Option<f32>, film: &Film) -> Self {
+    fn of(format: PictureFormat, given: Option<f32>, stops: f32) -> Self {
         match given {
             _ if !format.is_exposed() => Exposure::Unscaled,
             Some(stops) => Exposure::Given(stops),
-            None => Exposure::Automatic(render::automatic_exposure(film)),
-        }
-    }
-
-    fn stops(self) -> f32 {
-        match self {
-            Exposure::Unscaled => 0.0,
-            Exposure::Automatic(stops) | Exposure::Given(stops) => stops,
+            None => Exposure::Automatic(stops),
         }
     }
 }
@@ -101,11 +219,15 @@ fn summary(statistics: &Statistics, exposure: Exposure, output: &Path) -> String
     let seconds = statistics.seconds.render;
     // A clock that did not move between two looks must not give infinity.
     let rate = statistics.samples as f64 / seconds.max(1e-9);
+    let noise = statistics.noise.filter(|noise| noise.is_finite());
+    let noise =
+        noise.map_or(String::new(), |noise| format!(", estimated relative error {:.1} %", noise * 100.0));
     format!(
-        "{exposure}\nrendered in {} on {}, {} samples/s\nwrote {}\n",
+        "{exposure}\nrendered in {} on {}, {} samples/s\n{} samples per pixel{noise}\nwrote {}\n",
         duration_text(seconds),
         statistics.device,
         count_text(rate),
+        (statistics.samples_per_pixel * 100.0).round() / 100.0,
         output.display()
     )
 }
@@ -185,14 +307,10 @@ mod tests {
 
     #[test]
     fn only_a_png_is_exposed() {
-        let mut film = Film::new(1, 1);
-        film.pixels[0].radiance = [0.1; 3].into();
-        film.pixels[0].samples = 1;
-        assert_eq!(Exposure::choose(PictureFormat::Exr, None, &film), Exposure::Unscaled);
-        assert_eq!(Exposure::choose(PictureFormat::Exr, Some(2.0), &film), Exposure::Unscaled);
-        assert_eq!(Exposure::choose(PictureFormat::Png, Some(2.0), &film), Exposure::Given(2.0));
-        let automatic = Exposure::choose(PictureFormat::Png, None, &film);
-        assert!((automatic.stops() - 3.0).abs() < 1e-5);
+        assert_eq!(Exposure::of(PictureFormat::Exr, None, 0.0), Exposure::Unscaled);
+        assert_eq!(Exposure::of(PictureFormat::Exr, Some(2.0), 0.0), Exposure::Unscaled);
+        assert_eq!(Exposure::of(PictureFormat::Png, Some(2.0), 2.0), Exposure::Given(2.0));
+        let automatic = Exposure::of(PictureFormat::Png, None, 3.0);
         assert_eq!(automatic.to_string(), "exposure +3.00 EV (chosen automatically; --exposure fixes it)");
         assert_eq!(Exposure::Given(-0.5).to_string(), "exposure -0.50 EV");
     }

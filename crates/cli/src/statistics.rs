@@ -1,7 +1,7 @@
 //! What a rendering took, for other programs to read.
 
 use crate::failure::Failure;
-use render::{Film, RenderSettings};
+use render::{BandStatistics, RenderSettings};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::Path;
@@ -24,8 +24,11 @@ pub struct Statistics {
     pub depth: u32,
     /// Start of the random numbers.
     pub seed: u32,
-    /// Samples per pixel that were asked for.
-    pub samples_per_pixel: u32,
+    /// Samples per pixel that were taken on average.
+    pub samples_per_pixel: f64,
+    /// Estimated relative error of the picture, where it was looked at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<f64>,
     /// Samples taken for the whole picture.
     pub samples: u64,
     /// Rays traced for the whole picture, shadow rays included.
@@ -45,19 +48,22 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Takes over what settings and film tell; the rest is for the caller to fill in.
-    pub fn new(settings: &RenderSettings, film: &Film) -> Self {
+    /// Takes over what settings and rendering tell; the rest is for the caller to fill in.
+    pub fn new(settings: &RenderSettings, rendered: &BandStatistics) -> Self {
+        let window = settings.window();
+        let pixels = u64::from(window.width) * u64::from(window.height);
         Statistics {
             version: env!("CARGO_PKG_VERSION"),
             device: String::new(),
             renderer: settings.renderer.name(),
-            width: film.width,
-            height: film.height,
+            width: window.width,
+            height: window.height,
             depth: settings.depth,
             seed: settings.seed,
-            samples_per_pixel: settings.samples,
-            samples: film.samples(),
-            rays: film.rays(),
+            samples_per_pixel: rendered.samples as f64 / pixels.max(1) as f64,
+            noise: rendered.noise,
+            samples: rendered.samples,
+            rays: rendered.rays,
             objects: 0,
             triangles: 0,
             exposure: None,
@@ -161,7 +167,10 @@ mod tests {
 
     #[test]
     fn what_is_unknown_is_left_out() {
-        let mut statistics = Statistics::new(&RenderSettings::default(), &Film::new(4, 2));
+        let mut statistics = Statistics::new(
+            &RenderSettings { width: 4, ..RenderSettings::default() },
+            &BandStatistics::default(),
+        );
         statistics.peak_memory_bytes = None;
         let json = serde_json::to_value(&statistics).unwrap();
         assert!(json.get("peak_memory_bytes").is_none() && json.get("exposure").is_none());

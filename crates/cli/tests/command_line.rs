@@ -59,6 +59,11 @@ fn wrong_usage_exits_with_2_and_says_what_is_accepted() {
     render("--threads", "0", "1 to 4096");
     render("--exposure", "bright", "number of stops");
     render("--device", "tpu", "gpu:N");
+    render("--tile", "0", "1 to 4096");
+    render("--time", "soon", "1h30m");
+    render("--noise", "5", "2%");
+    render("--layers", "colour", "albedo, normal");
+    render("--pixel", "3", "320,240");
     assert_fails(&["render"], 2, &["<SCENE>", "--help"]);
     assert_fails(&["rendr"], 2, &["render"]);
     assert_fails(&["info", "plant.gsz", "--jsn"], 2, &["--json"]);
@@ -214,6 +219,87 @@ fn quiet_says_nothing_and_exr_does_not_depend_on_exposure() {
     let bytes = |name: &str| std::fs::read(directory.path().join(name)).unwrap();
     assert!(bytes("a.exr").starts_with(&[0x76, 0x2f, 0x31, 0x01]));
     assert_eq!(bytes("a.exr"), bytes("b.EXR"));
+}
+
+/// Renders the Cornell box in `directory` and returns standard output.
+fn render_small(directory: &Path, words: &[&str]) -> String {
+    let scene = cornell_box();
+    let mut all = vec!["render", scene.to_str().unwrap(), "--device", "cpu", "--size", "24x16"];
+    all.extend(words);
+    let output = sunshine(directory, &all);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    text(&output.stdout).to_owned()
+}
+
+fn statistics(directory: &Path) -> serde_json::Value {
+    serde_json::from_slice(&std::fs::read(directory.join("stats.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn tiles_and_threads_do_not_change_a_byte() {
+    let directory = empty_directory();
+    for (name, tile, threads) in [("a.png", "5", "1"), ("b.png", "64", "3"), ("c.png", "1", "2")] {
+        render_small(directory.path(), &["-o", name, "--samples", "2", "--tile", tile, "--threads", threads]);
+    }
+    let bytes = |name: &str| std::fs::read(directory.path().join(name)).unwrap();
+    assert!(bytes("a.png") == bytes("b.png") && bytes("a.png") == bytes("c.png"));
+}
+
+#[test]
+fn rendering_stops_by_time_or_noise_and_says_what_it_took() {
+    let directory = empty_directory();
+    let summary =
+        render_small(directory.path(), &["-o", "a.exr", "--time", "0.000001s", "--stats", "stats.json"]);
+    assert!(summary.contains("1 samples per pixel"), "{summary}");
+    assert_eq!(statistics(directory.path())["samples"], 24 * 16);
+
+    let words = ["-o", "a.exr", "--noise", "30%", "--samples", "4096", "--stats", "stats.json"];
+    let summary = render_small(directory.path(), &words);
+    assert!(summary.contains("estimated relative error"), "{summary}");
+    let statistics = statistics(directory.path());
+    assert!(statistics["noise"].as_f64() <= Some(0.3), "{statistics}");
+    assert!(statistics["samples_per_pixel"].as_f64() >= Some(16.0), "{statistics}");
+}
+
+#[test]
+fn adaptive_sampling_spends_the_average() {
+    let directory = empty_directory();
+    let words = ["-o", "a.png", "--adaptive", "--samples", "16", "--stats", "stats.json"];
+    render_small(directory.path(), &words);
+    let spent = statistics(directory.path())["samples_per_pixel"].as_f64().unwrap();
+    assert!((spent - 16.0).abs() < 0.5, "{spent}");
+}
+
+#[test]
+fn layers_go_into_an_exr_only() {
+    let directory = empty_directory();
+    render_small(directory.path(), &["-o", "a.exr", "--samples", "2", "--layers", "all"]);
+    let header = std::fs::read(directory.path().join("a.exr")).unwrap();
+    // Names of channels stand in the header, each ended by a zero.
+    for name in ["albedo.R", "N.X", "Z", "P.Y", "objectId", "materialId", "samples", "variance.B"] {
+        let name = [name.as_bytes(), &[0]].concat();
+        assert!(header[..2000].windows(name.len()).any(|window| window == name), "{name:?}");
+    }
+    assert_fails(&["render", "missing.gsz", "-o", "a.png", "--layers", "depth"], 2, &["--layers", ".exr"]);
+}
+
+#[test]
+fn the_events_of_a_pixel_are_printed_instead_of_a_picture() {
+    let directory = empty_directory();
+    let events = render_small(directory.path(), &["--pixel", "12,8,2"]);
+    for part in ["pixel 12,8 sample 0", "sample 1", "meets the", "node ", "throughput", "radiance ("] {
+        assert!(events.contains(part), "no {part:?} in {events}");
+    }
+    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
+    assert_fails(&["render", "missing.gsz", "--size", "24x16", "--pixel", "24,0"], 2, &["24,0", "24x16"]);
+}
+
+#[test]
+fn the_kernels_are_written() {
+    let directory = empty_directory();
+    render_small(directory.path(), &["-o", "a.png", "--samples", "1", "--dump-wgsl", "kernels/now"]);
+    let kernels = std::fs::read_to_string(directory.path().join("kernels/now/path_tracer.wgsl")).unwrap();
+    assert!(kernels.contains("fn render_tile(") && kernels.contains("fn render_layers("));
 }
 
 #[test]

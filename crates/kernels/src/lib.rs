@@ -18,6 +18,7 @@ pub mod channel;
 pub mod coordinates;
 pub mod hit;
 pub mod illumination;
+pub mod layers;
 pub mod light;
 pub mod light_tree;
 pub mod medium;

@@ -150,7 +150,194 @@ pub mod kernel {
         result
     }
 
-    /// Follows one path from the camera; it touches at most `depth` surfaces and may then still find a light.
+    /// A path under way: its next ray and what was collected so far.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct PathState {
+        /// In W/(m² sr) per channel.
+        pub radiance: Vec3f,
+        /// Rays traced, shadow rays included.
+        pub rays: u32,
+        /// What the path's next light is weighted with.
+        pub throughput: Vec3f,
+        /// Surfaces touched.
+        pub touched: u32,
+        /// The next ray, if the path goes on.
+        pub ray: Ray,
+        /// Number of the next ray.
+        pub segment: u32,
+        pub media: Media,
+        pub previous: PathVertex,
+        /// What happened at the end of the last ray; `EVENT_SCATTERED` and so on.
+        pub event: u32,
+        /// Part of the radiance that was sampled from a light at the end of the last ray.
+        pub direct: Vec3f,
+        pub goes_on: bool,
+    }
+
+    /// The path has left the scene.
+    pub const EVENT_ESCAPED: u32 = 4;
+    /// Russian roulette has ended the path.
+    pub const EVENT_STOPPED: u32 = 5;
+    /// The path starts at the camera.
+    pub const EVENT_STARTED: u32 = 6;
+
+    /// A path that starts with the given ray.
+    pub fn start_path(first: Ray) -> PathState {
+        PathState {
+            radiance: vec3f(0.0, 0.0, 0.0),
+            rays: 0,
+            throughput: vec3f(1.0, 1.0, 1.0),
+            touched: 0,
+            ray: first,
+            segment: 0,
+            media: empty_space(),
+            previous: PathVertex {
+                position: first.origin,
+                normal: first.direction,
+                both_sides: false,
+                pdf: 0.0,
+                importance: 0.0,
+            },
+            event: EVENT_STARTED,
+            direct: vec3f(0.0, 0.0, 0.0),
+            goes_on: true,
+        }
+    }
+
+    /// Follows a path over its next ray; it touches at most `depth` surfaces and may then still find a light.
+    pub fn extend_path<S: SceneAccess + Copy>(
+        scene: S,
+        key: SampleKey,
+        depth: u32,
+        background: Vec3f,
+        before: PathState,
+    ) -> PathState {
+        let mut path = before;
+        let ray = before.ray;
+        path.direct = vec3f(0.0, 0.0, 0.0);
+        path.goes_on = false;
+
+        // The next surface, or the sky.
+        let hit = closest_hit::<S>(scene, ray, key, path.segment);
+        path.rays += 1;
+        if hit.object == NONE {
+            path.radiance += path.throughput * escaped_radiance::<S>(scene, path.previous, ray.direction);
+            // The background is seen by the eye and in ideal mirrors, it is no light.
+            if path.previous.pdf <= 0.0 {
+                path.radiance += path.throughput * background_radiance::<S>(scene, background);
+            }
+            path.event = EVENT_ESCAPED;
+            return path;
+        }
+        let shape = S::shape(scene, hit.object);
+        let surface = S::surface(scene, hit.object);
+        let mut point = hit_surface::<S>(scene, ray, hit);
+        let wo = -ray.direction;
+        let cos_front = dot(point.normal, wo);
+        let front = cos_front >= 0.0;
+        let material = sided_material::<S>(scene, shape.material, front);
+        let mut at = uv_point(point.uv);
+        if (material.flags & MATERIAL_USES_POSITION) != 0u32 || material.normal_map != NONE {
+            let p = hit_unit_point::<S>(scene, ray, hit);
+            at = texture_point::<S>(scene, hit.instance, shape, surface, material, p, point.uv);
+            point = with_normal_maps::<S>(scene, hit, material, p, at, point);
+        }
+        let normal = facing_normal(point, wo);
+
+        // Light that the surface emits.
+        if surface.light != NONE {
+            path.radiance += path.throughput
+                * lamp_radiance::<S>(scene, surface.light, path.previous, point.position, cos_front);
+        }
+        // The medium is told apart by what it comes from and by its instance.
+        let body = surface.source ^ ((hit.instance + 1u32) * 2654435769u32);
+        let mut eta: f32 = 1.0;
+        if material.refractive_index > 0.0 {
+            let outside = leave_medium(path.media, body).indices.x;
+            let inside = material.refractive_index;
+            eta = select(inside / outside, outside / inside, front);
+        }
+        let bsdf = material_bsdf::<S>(scene, material, at, eta, dot(normal, wo));
+        // Unverified for GroIMP's path tracer: emissive surfaces shine by themselves.
+        path.radiance += path.throughput * bsdf.emissive;
+        // Bounded, so that no scene can hold a device for ever.
+        let may_go_on = path.segment + 1u32 < MAX_SEGMENTS;
+        if path.touched >= depth {
+            // Nothing is scattered any more, but clear surfaces are still passed.
+            path.throughput *= bsdf.straight;
+            path.event = EVENT_ABSORBED;
+            if !is_dark(path.throughput) {
+                path.event = EVENT_PASSED;
+                path.goes_on = may_go_on;
+            }
+            path.ray = Ray { origin: offset_origin(point, ray.direction), direction: ray.direction };
+            path.segment += 1;
+            return path;
+        }
+
+        // Light that arrives directly and is scattered here.
+        let dimension = DIMENSION_FIRST_SURFACE + path.segment * DIMENSIONS_PER_SURFACE;
+        let u_light = random4(key, dimension);
+        let importance = total_importance::<S>(scene, point.position);
+        if importance > 0.0 {
+            let direct = direct_light::<S>(
+                scene,
+                point,
+                bsdf,
+                normal,
+                wo,
+                importance,
+                vec3f(u_light.x, u_light.y, u_light.z),
+            );
+            path.direct = path.throughput * direct.radiance;
+            path.radiance += path.direct;
+            path.rays += direct.rays;
+        }
+
+        // Where the path goes on.
+        let u = random4(key, dimension + 1u32);
+        let sample = sample_bsdf(bsdf, normal, wo, vec3f(u.x, u.y, u.z));
+        path.event = sample.event;
+        if sample.event == EVENT_ABSORBED || !same_side(point, normal, wo, sample.direction) {
+            path.event = EVENT_ABSORBED;
+            return path;
+        }
+        path.throughput *= sample.weight;
+        if material.refractive_index > 0.0 && dot(sample.direction, point.normal) * cos_front < 0.0 {
+            if front {
+                path.media = enter_medium(path.media, body, material.refractive_index);
+            } else {
+                path.media = leave_medium(path.media, body);
+            }
+        }
+        path.ray = Ray { origin: offset_origin(point, sample.direction), direction: sample.direction };
+        path.segment += 1;
+        path.goes_on = may_go_on;
+        if sample.event != EVENT_PASSED {
+            path.touched += 1;
+            path.previous = PathVertex {
+                position: point.position,
+                normal,
+                both_sides: transmits(bsdf),
+                pdf: sample.pdf,
+                importance,
+            };
+        }
+
+        // Russian roulette: weak paths end, the others carry their light.
+        if path.touched >= ROULETTE_START {
+            let survival = min(largest(path.throughput), 0.95);
+            if u.w >= survival {
+                path.event = EVENT_STOPPED;
+                path.goes_on = false;
+                return path;
+            }
+            path.throughput *= 1.0 / survival;
+        }
+        path
+    }
+
+    /// Follows one path from the camera to its end.
     pub fn trace_path<S: SceneAccess + Copy>(
         scene: S,
         key: SampleKey,
@@ -158,127 +345,11 @@ pub mod kernel {
         depth: u32,
         background: Vec3f,
     ) -> PathSample {
-        let mut result = PathSample { radiance: vec3f(0.0, 0.0, 0.0), rays: 0 };
-        let mut throughput = vec3f(1.0, 1.0, 1.0);
-        let mut ray = first;
-        let mut touched: u32 = 0;
-        let mut media = empty_space();
-        let mut previous = PathVertex {
-            position: first.origin,
-            normal: first.direction,
-            both_sides: false,
-            pdf: 0.0,
-            importance: 0.0,
-        };
-
-        #[wgsl_allow(non_literal_loop_bounds)]
-        for segment in 0..MAX_SEGMENTS {
-            // The next surface, or the sky.
-            let hit = closest_hit::<S>(scene, ray, key, segment);
-            result.rays += 1;
-            if hit.object == NONE {
-                result.radiance += throughput * escaped_radiance::<S>(scene, previous, ray.direction);
-                // The background is seen by the eye and in ideal mirrors, it is no light.
-                if previous.pdf <= 0.0 {
-                    result.radiance += throughput * background_radiance::<S>(scene, background);
-                }
-                return result;
-            }
-            let shape = S::shape(scene, hit.object);
-            let surface = S::surface(scene, hit.object);
-            let mut point = hit_surface::<S>(scene, ray, hit);
-            let wo = -ray.direction;
-            let cos_front = dot(point.normal, wo);
-            let front = cos_front >= 0.0;
-            let material = sided_material::<S>(scene, shape.material, front);
-            let mut at = uv_point(point.uv);
-            if (material.flags & MATERIAL_USES_POSITION) != 0u32 || material.normal_map != NONE {
-                let p = hit_unit_point::<S>(scene, ray, hit);
-                at = texture_point::<S>(scene, hit.instance, shape, surface, material, p, point.uv);
-                point = with_normal_maps::<S>(scene, hit, material, p, at, point);
-            }
-            let normal = facing_normal(point, wo);
-
-            // Light that the surface emits.
-            if surface.light != NONE {
-                result.radiance += throughput
-                    * lamp_radiance::<S>(scene, surface.light, previous, point.position, cos_front);
-            }
-            // The medium is told apart by what it comes from and by its instance.
-            let body = surface.source ^ ((hit.instance + 1u32) * 2654435769u32);
-            let mut eta: f32 = 1.0;
-            if material.refractive_index > 0.0 {
-                let outside = leave_medium(media, body).indices.x;
-                let inside = material.refractive_index;
-                eta = select(inside / outside, outside / inside, front);
-            }
-            let bsdf = material_bsdf::<S>(scene, material, at, eta, dot(normal, wo));
-            // Unverified for GroIMP's path tracer: emissive surfaces shine by themselves.
-            result.radiance += throughput * bsdf.emissive;
-            if touched >= depth {
-                // Nothing is scattered any more, but clear surfaces are still passed.
-                throughput *= bsdf.straight;
-                if is_dark(throughput) {
-                    return result;
-                }
-                ray = Ray { origin: offset_origin(point, ray.direction), direction: ray.direction };
-                continue;
-            }
-
-            // Light that arrives directly and is scattered here.
-            let dimension = DIMENSION_FIRST_SURFACE + segment * DIMENSIONS_PER_SURFACE;
-            let u_light = random4(key, dimension);
-            let importance = total_importance::<S>(scene, point.position);
-            if importance > 0.0 {
-                let direct = direct_light::<S>(
-                    scene,
-                    point,
-                    bsdf,
-                    normal,
-                    wo,
-                    importance,
-                    vec3f(u_light.x, u_light.y, u_light.z),
-                );
-                result.radiance += throughput * direct.radiance;
-                result.rays += direct.rays;
-            }
-
-            // Where the path goes on.
-            let u = random4(key, dimension + 1u32);
-            let sample = sample_bsdf(bsdf, normal, wo, vec3f(u.x, u.y, u.z));
-            if sample.event == EVENT_ABSORBED || !same_side(point, normal, wo, sample.direction) {
-                return result;
-            }
-            throughput *= sample.weight;
-            if material.refractive_index > 0.0 && dot(sample.direction, point.normal) * cos_front < 0.0 {
-                if front {
-                    media = enter_medium(media, body, material.refractive_index);
-                } else {
-                    media = leave_medium(media, body);
-                }
-            }
-            ray = Ray { origin: offset_origin(point, sample.direction), direction: sample.direction };
-            if sample.event != EVENT_PASSED {
-                touched += 1;
-                previous = PathVertex {
-                    position: point.position,
-                    normal,
-                    both_sides: transmits(bsdf),
-                    pdf: sample.pdf,
-                    importance,
-                };
-            }
-
-            // Russian roulette: weak paths end, the others carry their light.
-            if touched >= ROULETTE_START {
-                let survival = min(largest(throughput), 0.95);
-                if u.w >= survival {
-                    return result;
-                }
-                throughput *= 1.0 / survival;
-            }
+        let mut path = start_path(first);
+        while path.goes_on {
+            path = extend_path::<S>(scene, key, depth, background, path);
         }
-        result
+        PathSample { radiance: path.radiance, rays: path.rays }
     }
 
     /// A sample by the path tracer.
@@ -326,15 +397,18 @@ pub mod kernel {
     ) -> FilmPixel {
         let header = S::header(scene);
         let mut film = before;
+        let count = launched_samples(settings, before.samples);
         #[wgsl_allow(non_literal_loop_bounds)]
-        for i in 0..settings.samples {
+        for i in 0..count {
             let key = sample_key(settings, x, y, settings.first_sample + i);
             let ray = sampled_camera_ray(header, settings, key, x, y);
             let path = trace_sample::<S>(scene, settings, key, ray);
             film.radiance += path.radiance;
             film.squares += path.radiance * path.radiance;
             film.rays += path.rays;
-            film.samples += 1;
+        }
+        if settings.counted == 0u32 {
+            film.samples += count;
         }
         film
     }

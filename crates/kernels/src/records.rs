@@ -341,7 +341,8 @@ pub mod kernel {
         pub sequence_bits: u32,
         /// Reconstruction filter, `FILTER_BOX` and so on.
         pub reconstruction: u32,
-        pub reserved1: u32,
+        /// 1 if every pixel says how many samples it is to have; see `launched_samples`.
+        pub counted: u32,
     }
 
     /// Together with the bits of a block's pixels this leaves indices below 2^32.
@@ -358,6 +359,40 @@ pub mod kernel {
         /// Sum of the squares of the radiance, per channel.
         pub squares: Vec3f,
         pub samples: u32,
+    }
+
+    /// What is collected for a pixel of where its rays meet the scene first; sums over its samples.
+    #[repr(C)]
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct LayerPixel {
+        /// Share of light per channel that the surface reflects and transmits; 0 where nothing is met.
+        pub albedo: Vec3f,
+        /// Number of samples.
+        pub samples: u32,
+        /// Shading normal on the side of the camera, in the world.
+        pub normal: Vec3f,
+        /// Number of samples that met something.
+        pub hits: u32,
+        /// Where, in metres, relative to the origin of the compiled scene.
+        pub position: Vec3f,
+        /// Distance from the plane of the camera along the direction of view, in metres.
+        pub depth: f32,
+        /// `SurfaceRecord::source` of what the first sample that meets anything meets, plus 1; 0 if there is nothing.
+        pub object: u32,
+        /// The same of the instance that it is part of; 0 if it is part of none.
+        pub instance: u32,
+        /// Index of its material, plus 1.
+        pub material: u32,
+        pub reserved: u32,
+    }
+
+    /// Samples of a pixel in this launch. In a counted launch the pixel's number of samples is set beforehand to
+    /// what it is to have in the end, and the launch takes those that are still missing.
+    pub fn launched_samples(settings: LaunchSettings, pixel_samples: u32) -> u32 {
+        if settings.counted == 0u32 {
+            return settings.samples;
+        }
+        min(settings.samples, max(pixel_samples, settings.first_sample) - settings.first_sample)
     }
 
     /// How kernels read a compiled scene. The CPU implements it over slices, the GPU over storage buffers.
@@ -454,4 +489,5 @@ plain_old_data! {
     SceneHeader: 28,
     LaunchSettings: 20,
     FilmPixel: 8,
+    LayerPixel: 16,
 }

@@ -1,6 +1,7 @@
 //! The CPU device: the kernels over slices, tiles spread over threads.
 
-use crate::{CompiledScene, ControlFlow, Device, DeviceError, Film, LoadedScene, Progress, RenderSettings};
+use crate::{Batch, CompiledScene, ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
+use kernels::layers::kernel::layers_of_pixel;
 use kernels::path::kernel::render_pixel;
 use kernels::records::kernel::*;
 use rayon::prelude::*;
@@ -45,36 +46,99 @@ struct CpuScene {
     scene: Arc<CompiledScene>,
 }
 
-/// Rows of a band that a thread renders between two looks at the progress.
-const BAND_ROWS: usize = 4;
+/// Height of the tiles that nobody has chosen a size for; they are as wide as the picture.
+const TILE_ROWS: usize = 4;
 
 impl LoadedScene for CpuScene {
-    fn render(&self, settings: &RenderSettings, progress: &Progress<'_>) -> Result<Film, DeviceError> {
-        let launch = settings.launch();
-        let mut film = Film::new(launch.tile_width, launch.tile_height);
+    fn add_samples(
+        &self,
+        settings: &RenderSettings,
+        batch: &Batch,
+        pixels: &mut [FilmPixel],
+        progress: &Progress<'_>,
+    ) -> Result<(), DeviceError> {
+        let slices = Slices { scene: &self.scene };
+        let launch = batch.launch(settings);
+        self.for_pixels(settings, batch, pixels, progress, |x, y, pixel| {
+            let taken = launched_samples(launch, pixel.samples);
+            *pixel = render_pixel(slices, launch, x, y, *pixel);
+            taken
+        })
+    }
+
+    fn add_layers(
+        &self,
+        settings: &RenderSettings,
+        batch: &Batch,
+        pixels: &mut [LayerPixel],
+        progress: &Progress<'_>,
+    ) -> Result<(), DeviceError> {
+        let slices = Slices { scene: &self.scene };
+        let launch = batch.launch(settings);
+        self.for_pixels(settings, batch, pixels, progress, |x, y, pixel| {
+            *pixel = layers_of_pixel(slices, launch, x, y, *pixel);
+            launch.samples
+        })
+    }
+}
+
+impl CpuScene {
+    /// Calls `work` for every pixel, tiles spread over the threads; it returns the number of samples that it took.
+    fn for_pixels<P: Send>(
+        &self,
+        settings: &RenderSettings,
+        batch: &Batch,
+        pixels: &mut [P],
+        progress: &Progress<'_>,
+        work: impl Fn(u32, u32, &mut P) -> u32 + Sync,
+    ) -> Result<(), DeviceError> {
+        assert_eq!(pixels.len(), batch.pixels(settings), "pixels of a batch");
+        if pixels.is_empty() {
+            return Ok(());
+        }
+        let launch = batch.launch(settings);
+        let width = launch.tile_width as usize;
+        let edge = settings.tile.map(|edge| edge.max(1) as usize);
+        let (tile_width, tile_height) = (edge.unwrap_or(width), edge.unwrap_or(TILE_ROWS));
         let done = AtomicU64::new(0);
         let cancelled = AtomicBool::new(false);
-        let slices = Slices { scene: &self.scene };
-        let width = launch.tile_width as usize;
+        let tile = |x: usize, y: usize, rows: Vec<&mut [P]>| {
+            if cancelled.load(Ordering::Relaxed) {
+                return;
+            }
+            let mut taken = 0;
+            for (row, line) in rows.into_iter().enumerate() {
+                let y = launch.tile_y + (y + row) as u32;
+                for (column, pixel) in line.iter_mut().enumerate() {
+                    taken += u64::from(work(launch.tile_x + (x + column) as u32, y, pixel));
+                }
+            }
+            let sum = done.fetch_add(taken, Ordering::Relaxed) + taken;
+            if let ControlFlow::Break(()) = progress(sum) {
+                cancelled.store(true, Ordering::Relaxed);
+            }
+        };
         self.threads.install(|| {
-            film.pixels.par_chunks_mut(BAND_ROWS * width).enumerate().for_each(|(band, pixels)| {
-                if cancelled.load(Ordering::Relaxed) {
-                    return;
-                }
-                for (offset, pixel) in pixels.iter_mut().enumerate() {
-                    let x = launch.tile_x + (offset % width) as u32;
-                    let y = launch.tile_y + (band * BAND_ROWS + offset / width) as u32;
-                    *pixel = render_pixel(slices, launch, x, y, *pixel);
-                }
-                let samples = pixels.len() as u64 * u64::from(settings.samples);
-                let sum = done.fetch_add(samples, Ordering::Relaxed) + samples;
-                if let ControlFlow::Break(()) = progress(sum) {
-                    cancelled.store(true, Ordering::Relaxed);
-                }
+            pixels.par_chunks_mut(tile_height * width).enumerate().for_each(|(number, band)| {
+                tiles_of(band, width, tile_width).into_par_iter().enumerate().for_each(|(column, rows)| {
+                    tile(column * tile_width, number * tile_height, rows);
+                });
             });
         });
-        if cancelled.into_inner() { Err(DeviceError::Cancelled) } else { Ok(film) }
+        if cancelled.into_inner() { Err(DeviceError::Cancelled) } else { Ok(()) }
     }
+}
+
+/// The tiles side by side in some rows of a picture, each as the pieces of its rows.
+fn tiles_of<P>(band: &mut [P], width: usize, tile_width: usize) -> Vec<Vec<&mut [P]>> {
+    let mut tiles: Vec<Vec<&mut [P]>> = Vec::new();
+    tiles.resize_with(width.div_ceil(tile_width), Vec::new);
+    for row in band.chunks_mut(width) {
+        for (tile, piece) in tiles.iter_mut().zip(row.chunks_mut(tile_width)) {
+            tile.push(piece);
+        }
+    }
+    tiles
 }
 
 /// The kernels' view of a scene in main memory.

@@ -1,7 +1,7 @@
 //! What every device can do.
 
 use crate::{CompiledScene, CropWindow, Film, Filter, Renderer, Sampler};
-use kernels::records::kernel::LaunchSettings;
+use kernels::records::kernel::{FilmPixel, LaunchSettings, LayerPixel};
 use std::sync::Arc;
 
 /// What to compute.
@@ -32,6 +32,9 @@ pub struct RenderSettings {
     pub filter: Filter,
     /// The part of the picture to render; `None` for all of it. The pixels are those of the whole picture.
     pub crop: Option<CropWindow>,
+    /// Edge in pixels of the squares that the picture is rendered in; `None` for what suits the device. It never
+    /// changes the picture.
+    pub tile: Option<u32>,
 }
 
 impl Default for RenderSettings {
@@ -55,6 +58,7 @@ impl RenderSettings {
         sampler: Sampler::Sobol,
         filter: Filter::Box,
         crop: None,
+        tile: None,
     };
 
     /// Work to be done, in samples.
@@ -84,7 +88,7 @@ impl RenderSettings {
             sampler: self.sampler.code(),
             sequence_bits: self.sequence_bits(),
             reconstruction: self.filter.code(),
-            reserved1: 0,
+            counted: 0,
         }
     }
 }
@@ -108,14 +112,95 @@ pub trait Device {
     fn load(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn LoadedScene>, DeviceError>;
 }
 
+/// A piece of work: samples of some rows of a picture, or of the window of it that is rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Batch {
+    /// The uppermost row, from the top of the window.
+    pub first_row: u32,
+    /// Number of rows.
+    pub rows: u32,
+    /// Number of the first sample in every pixel. Samples are told apart by their numbers: whoever adds samples to
+    /// pixels goes on counting.
+    pub first_sample: u32,
+    /// Number of samples for every pixel; in a counted batch the most that a pixel takes.
+    pub samples: u32,
+    /// Whether every pixel has its own number of samples: that which its field `samples` says beforehand is what it
+    /// has in the end.
+    pub counted: bool,
+}
+
+impl Batch {
+    /// All samples of all that is rendered.
+    pub fn whole(settings: &RenderSettings) -> Self {
+        Batch {
+            first_row: 0,
+            rows: settings.window().height,
+            first_sample: 0,
+            samples: settings.samples,
+            counted: false,
+        }
+    }
+
+    /// Number of pixels.
+    pub(crate) fn pixels(&self, settings: &RenderSettings) -> usize {
+        settings.window().width as usize * self.rows as usize
+    }
+
+    pub(crate) fn launch(&self, settings: &RenderSettings) -> LaunchSettings {
+        LaunchSettings {
+            tile_y: settings.window().y + self.first_row,
+            tile_height: self.rows,
+            first_sample: self.first_sample,
+            samples: self.samples,
+            counted: u32::from(self.counted),
+            ..settings.launch()
+        }
+    }
+}
+
 /// A scene on a device, ready to be rendered any number of times.
 pub trait LoadedScene {
-    /// Renders a picture. The result depends on the scene, the settings and the kind of device alone: not on
-    /// tiles, threads or time.
+    /// Adds samples to rows of a picture; `pixels` are those of the rows, `progress` hears of the samples of this
+    /// batch. The result depends on the scene, the settings and the kind of device alone: not on tiles, threads,
+    /// time, nor on how the samples are divided into batches.
     ///
     /// # Errors
     /// If the device fails or `progress` asks to stop.
-    fn render(&self, settings: &RenderSettings, progress: &Progress<'_>) -> Result<Film, DeviceError>;
+    ///
+    /// # Panics
+    /// If the number of pixels is not that of the batch.
+    fn add_samples(
+        &self,
+        settings: &RenderSettings,
+        batch: &Batch,
+        pixels: &mut [FilmPixel],
+        progress: &Progress<'_>,
+    ) -> Result<(), DeviceError>;
+
+    /// Adds what the rays of a batch, which is not counted, meet first.
+    ///
+    /// # Errors
+    /// As [`LoadedScene::add_samples`].
+    ///
+    /// # Panics
+    /// If the number of pixels is not that of the batch.
+    fn add_layers(
+        &self,
+        settings: &RenderSettings,
+        batch: &Batch,
+        pixels: &mut [LayerPixel],
+        progress: &Progress<'_>,
+    ) -> Result<(), DeviceError>;
+
+    /// Renders all in memory.
+    ///
+    /// # Errors
+    /// As [`LoadedScene::add_samples`].
+    fn render(&self, settings: &RenderSettings, progress: &Progress<'_>) -> Result<Film, DeviceError> {
+        let mut film = Film::of(settings);
+        self.add_samples(settings, &Batch::whole(settings), &mut film.pixels, progress)?;
+        Ok(film)
+    }
 }
 
 /// Why a device could not do its work.

@@ -4,21 +4,31 @@
 //! hierarchy; a [`Device`] renders the [`CompiledScene`] into a [`Film`]. The two devices, [`cpu`] and [`gpu`],
 //! run the same kernels.
 
+pub mod adaptive;
+mod bands;
 mod compile;
 pub mod cpu;
 mod device;
+mod events;
 mod film;
 pub mod gpu;
 mod open;
+mod passes;
 mod picture;
 mod renderer;
 mod sampling;
 
+pub use bands::{BAND_BYTES, Band, BandStatistics, Sampling, band_rows, render_bands};
 pub use compile::{Acceleration, CompileError, CompiledScene, compile, compile_with};
-pub use device::{ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
+pub use device::{Batch, ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
+pub use events::pixel_events;
 pub use film::{Film, automatic_exposure};
 pub use gpu::{GpuInfo, list_gpus};
 pub use open::{DeviceChoice, automatic_gpu, open_device, open_device_for};
-pub use picture::{PictureError, PictureFormat, check_writable, write_picture, write_whole_file};
+pub use passes::{StopRule, relative_noise, render_until};
+pub use picture::{
+    BandSink, Layer, Layers, Origins, PictureError, PictureFormat, PictureTarget, RenderError,
+    check_writable, stream_picture, write_picture, write_whole_file,
+};
 pub use renderer::Renderer;
 pub use sampling::{CropWindow, Filter, Sampler};

@@ -1,13 +1,19 @@
 //! From a film to an image file: PNG to look at, EXR to measure.
 
 mod encode;
+mod layers;
+mod spool;
+mod stream;
 mod whole_file;
 
-use crate::Film;
+use crate::bands::Band;
+use crate::{DeviceError, Film};
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub use layers::{Layer, Layers, Origins};
+pub use stream::{BandSink, PictureTarget, stream_picture};
 pub use whole_file::{check_writable, write_whole_file};
 
 /// The kinds of image file that a [`Film`] can be written as.
@@ -69,6 +75,28 @@ pub enum PictureError {
     },
 }
 
+/// Why a picture was not rendered into its file.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The device failed.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// The file could not be written.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// The whole film must be in memory for what is wanted, and does not fit.
+    #[error(
+        "sampling until a time or a noise is reached, or adaptively, keeps the whole picture in memory: {needed} bytes, \
+         at most {limit} are taken; make the picture smaller, or give --samples alone"
+    )]
+    FilmTooLarge {
+        /// Bytes that the picture takes.
+        needed: u64,
+        /// What is accepted.
+        limit: u64,
+    },
+}
+
 /// Writes a film as the kind of image that the extension of `path` names. `exposure`, in stops, brightens a PNG;
 /// an EXR is never scaled.
 ///
@@ -76,19 +104,17 @@ pub enum PictureError {
 ///
 /// # Errors
 /// If the extension is unknown or the file cannot be written.
-pub fn write_picture(film: &Film, path: &Path, exposure: f32) -> Result<(), PictureError> {
-    let format = PictureFormat::from_path(path)?;
-    write_whole_file(path, |file| {
-        // Neither format has pictures without pixels.
-        if film.width == 0 || film.height == 0 {
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, "the picture has no pixels"));
-        }
-        match format {
-            PictureFormat::Png => encode::png(film, exposure, file),
-            PictureFormat::Exr => encode::exr(film, file),
-        }
-    })
-    .map_err(|source| PictureError::Write { path: path.to_owned(), source })
+pub fn write_picture(film: &Film, path: &Path, exposure: f32) -> Result<(), RenderError> {
+    let target = PictureTarget {
+        path,
+        width: film.width,
+        height: film.height,
+        exposure: Some(exposure),
+        layers: &Layers::default(),
+        origins: &Origins::default(),
+    };
+    let band = Band { first_row: 0, width: film.width, pixels: &film.pixels, layers: &[] };
+    stream_picture(&target, |sink| sink(&band)).map(|_| ())
 }
 
 #[cfg(test)]
@@ -211,7 +237,7 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         for name in ["a.png", "a.exr"] {
             let error = write_picture(&Film::new(0, 4), &directory.path().join(name), 0.0).unwrap_err();
-            assert!(matches!(error, PictureError::Write { .. }));
+            assert!(matches!(error, RenderError::Picture(PictureError::Write { .. })));
         }
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
     }

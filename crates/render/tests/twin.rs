@@ -255,7 +255,7 @@ pub mod sampling_probes {
             sampler,
             sequence_bits: bits.z % (MAX_SEQUENCE_BITS + 1u32),
             reconstruction: 0,
-            reserved1: 0,
+            counted: 0,
         }
     }
 

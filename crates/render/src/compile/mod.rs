@@ -47,6 +47,10 @@ pub struct CompiledScene {
     pub attributes: Vec<[f32; 4]>,
     /// What objects and instances come from, by `SurfaceRecord::source`.
     pub origins: Vec<Origin>,
+    /// Names of the types of origins.
+    pub type_names: Vec<String>,
+    /// What positions in the tables are relative to, in the world.
+    pub origin: DVec3,
     triangles: usize,
 }
 
@@ -199,6 +203,8 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
         lights: lights.records,
         attributes,
         origins,
+        type_names: scene.type_names.clone(),
+        origin,
         triangles,
     };
     environment::add_sky_densities(&mut compiled);

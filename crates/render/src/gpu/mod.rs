@@ -4,6 +4,7 @@ mod adapters;
 mod assemble;
 mod scene;
 mod shader;
+mod tile;
 
 pub use adapters::{GpuInfo, list_gpus};
 
@@ -17,6 +18,10 @@ pub struct Gpu {
     queue: wgpu::Queue,
     /// A program for each renderer, compiled when it is first used.
     pipelines: [OnceLock<wgpu::ComputePipeline>; 2],
+    /// Compiled when it is first needed: most pictures have no layers.
+    layers_pipeline: OnceLock<wgpu::ComputePipeline>,
+    /// What the kernels are bound to, the same for all pipelines: header, settings, tables, film.
+    layout: wgpu::BindGroupLayout,
     /// What went wrong since the last look; filled by the driver at any time.
     errors: Arc<ErrorLog>,
     /// A rasteriser in software is slow and must be given small pieces of work.
@@ -83,11 +88,14 @@ impl Gpu {
             }
         });
 
+        let layout = bind_group_layout(&device);
         Ok(Gpu {
             name: format!("{} ({})", info.name, info.backend),
             device,
             queue,
             pipelines: Default::default(),
+            layers_pipeline: OnceLock::new(),
+            layout,
             errors,
             is_software: info.is_software,
         })
@@ -95,21 +103,40 @@ impl Gpu {
 
     /// The program of a renderer.
     pub(crate) fn pipeline(&self, renderer: Renderer) -> Result<&wgpu::ComputePipeline, DeviceError> {
-        let known = &self.pipelines[renderer.index()];
+        self.compiled(&self.pipelines[renderer.index()], renderer.name(), renderer, "render_tile")
+    }
+
+    /// The program of the layers, which are the same for all renderers.
+    fn layers_pipeline(&self) -> Result<&wgpu::ComputePipeline, DeviceError> {
+        self.compiled(&self.layers_pipeline, "layers", Renderer::PathTracer, "render_layers")
+    }
+
+    fn compiled<'a>(
+        &self,
+        known: &'a OnceLock<wgpu::ComputePipeline>,
+        label: &'static str,
+        renderer: Renderer,
+        entry_point: &'static str,
+    ) -> Result<&'a wgpu::ComputePipeline, DeviceError> {
         if let Some(pipeline) = known.get() {
             return Ok(pipeline);
         }
         let source =
             shader::source(renderer).map_err(|reason| self.failed("preparing the kernels", reason))?;
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(renderer.name()),
+            label: Some(label),
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
+        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(label),
+            bind_group_layouts: &[Some(&self.layout)],
+            ..Default::default()
+        });
         let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(renderer.name()),
-            layout: None,
+            label: Some(label),
+            layout: Some(&layout),
             module: &module,
-            entry_point: Some("render_tile"),
+            entry_point: Some(entry_point),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
@@ -127,6 +154,42 @@ impl Gpu {
     fn failed(&self, doing: &'static str, reason: String) -> DeviceError {
         DeviceError::Gpu { device: self.name.clone(), doing, reason }
     }
+}
+
+/// The kernels as graphics cards run them: name of the file and text in WGSL.
+///
+/// # Errors
+/// If they cannot be written in WGSL; the tests exclude it.
+pub fn kernel_sources() -> Result<Vec<(&'static str, String)>, String> {
+    [(Renderer::PathTracer, "path_tracer.wgsl"), (Renderer::RayTracer, "ray_tracer.wgsl")]
+        .into_iter()
+        .map(|(renderer, name)| Ok((name, shader::source(renderer)?)))
+        .collect()
+}
+
+/// Bindings 0 and 1 are uniforms, then seven tables that are read, then the film that is written. Explicit, because
+/// a layout that is derived from an entry point leaves out what that one does not use.
+fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    const BINDINGS: u32 = 10;
+    let entries: Vec<_> = (0..BINDINGS)
+        .map(|binding| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: match binding {
+                    0 | 1 => wgpu::BufferBindingType::Uniform,
+                    _ => wgpu::BufferBindingType::Storage { read_only: binding + 1 < BINDINGS },
+                },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        })
+        .collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("scene and tile"),
+        entries: &entries,
+    })
 }
 
 impl Device for Arc<Gpu> {

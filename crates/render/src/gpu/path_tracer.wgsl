@@ -171,7 +171,7 @@ struct LaunchSettings {
     sampler: u32,
     sequence_bits: u32,
     reconstruction: u32,
-    reserved1: u32
+    counted: u32
 }
 const MAX_SEQUENCE_BITS: u32 = 20u;
 
@@ -180,6 +180,26 @@ struct FilmPixel {
     rays: u32,
     squares: vec3f,
     samples: u32
+}
+
+struct LayerPixel {
+    albedo: vec3f,
+    samples: u32,
+    normal: vec3f,
+    hits: u32,
+    position: vec3f,
+    depth: f32,
+    object: u32,
+    instance: u32,
+    material: u32,
+    reserved: u32
+}
+
+fn launched_samples(settings: LaunchSettings, pixel_samples: u32) -> u32 {
+    if (settings.counted == 0u) {
+        return settings.samples;
+    }
+    return min(settings.samples, (max(pixel_samples, settings.first_sample) - settings.first_sample));
 }
 
 fn transform_point(matrix: Affine, point: vec3f) -> vec3f {
@@ -2874,6 +2894,27 @@ fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
     return power_heuristic(previous.pdf, light_pdf);
 }
 
+struct PathState {
+    radiance: vec3f,
+    rays: u32,
+    throughput: vec3f,
+    touched: u32,
+    ray: Ray,
+    segment: u32,
+    media: Media,
+    previous: PathVertex,
+    event: u32,
+    direct: vec3f,
+    goes_on: bool
+}
+const EVENT_ESCAPED: u32 = 4u;
+const EVENT_STOPPED: u32 = 5u;
+const EVENT_STARTED: u32 = 6u;
+
+fn start_path(first: Ray) -> PathState {
+    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, 0u, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), true);
+}
+
 fn direct_light_Buffers(
     scene: Buffers,
     point: SurfacePoint,
@@ -2930,6 +2971,108 @@ fn escaped_radiance_Buffers(scene: Buffers, previous: PathVertex, direction: vec
     return sum;
 }
 
+fn extend_path_Buffers(
+    scene: Buffers,
+    key: SampleKey,
+    depth: u32,
+    background: vec3f,
+    before: PathState,
+) -> PathState {
+    var path = before;
+    let ray = before.ray;
+    path.direct = vec3f(0.0, 0.0, 0.0);
+    path.goes_on = false;
+    let hit = closest_hit_Buffers(scene, ray, key, path.segment);
+    path.rays += 1u;
+    if (hit.object == NONE) {
+        path.radiance += (path.throughput * escaped_radiance_Buffers(scene, path.previous, ray.direction));
+        if (path.previous.pdf <= 0.0) {
+            path.radiance += (path.throughput * background_radiance_Buffers(scene, background));
+        }
+        path.event = EVENT_ESCAPED;
+        return path;
+    }
+    let shape = Buffers_shape(scene, hit.object);
+    let surface = Buffers_surface(scene, hit.object);
+    var point = hit_surface_Buffers(scene, ray, hit);
+    let wo = -ray.direction;
+    let cos_front = dot(point.normal, wo);
+    let front = (cos_front >= 0.0);
+    let material = sided_material_Buffers(scene, shape.material, front);
+    var at = uv_point(point.uv);
+    if (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE)) {
+        let p = hit_unit_point_Buffers(scene, ray, hit);
+        at = texture_point_Buffers(scene, hit.instance, shape, surface, material, p, point.uv);
+        point = with_normal_maps_Buffers(scene, hit, material, p, at, point);
+    }
+    let normal = facing_normal(point, wo);
+    if (surface.light != NONE) {
+        path.radiance += (path.throughput * lamp_radiance_Buffers(scene, surface.light, path.previous, point.position, cos_front));
+    }
+    let body = (surface.source ^ ((hit.instance + 1u) * 2654435769u));
+    var eta: f32 = 1.0;
+    if (material.refractive_index > 0.0) {
+        let outside = leave_medium(path.media, body).indices.x;
+        let inside = material.refractive_index;
+        eta = select((inside / outside), (outside / inside), front);
+    }
+    let bsdf = material_bsdf_Buffers(scene, material, at, eta, dot(normal, wo));
+    path.radiance += (path.throughput * bsdf.emissive);
+    let may_go_on = ((path.segment + 1u) < MAX_SEGMENTS);
+    if (path.touched >= depth) {
+        path.throughput *= bsdf.straight;
+        path.event = EVENT_ABSORBED;
+        if !is_dark(path.throughput) {
+            path.event = EVENT_PASSED;
+            path.goes_on = may_go_on;
+        }
+        path.ray = Ray(offset_origin(point, ray.direction), ray.direction);
+        path.segment += 1u;
+        return path;
+    }
+    let dimension = (DIMENSION_FIRST_SURFACE + (path.segment * DIMENSIONS_PER_SURFACE));
+    let u_light = random4(key, dimension);
+    let importance = total_importance_Buffers(scene, point.position);
+    if (importance > 0.0) {
+        let direct = direct_light_Buffers(scene, point, bsdf, normal, wo, importance, vec3f(u_light.x, u_light.y, u_light.z));
+        path.direct = (path.throughput * direct.radiance);
+        path.radiance += path.direct;
+        path.rays += direct.rays;
+    }
+    let u = random4(key, (dimension + 1u));
+    let sample = sample_bsdf(bsdf, normal, wo, vec3f(u.x, u.y, u.z));
+    path.event = sample.event;
+    if ((sample.event == EVENT_ABSORBED) || !same_side(point, normal, wo, sample.direction)) {
+        path.event = EVENT_ABSORBED;
+        return path;
+    }
+    path.throughput *= sample.weight;
+    if ((material.refractive_index > 0.0) && ((dot(sample.direction, point.normal) * cos_front) < 0.0)) {
+        if front {
+            path.media = enter_medium(path.media, body, material.refractive_index);
+        } else {
+            path.media = leave_medium(path.media, body);
+        }
+    }
+    path.ray = Ray(offset_origin(point, sample.direction), sample.direction);
+    path.segment += 1u;
+    path.goes_on = may_go_on;
+    if (sample.event != EVENT_PASSED) {
+        path.touched += 1u;
+        path.previous = PathVertex(point.position, normal, transmits(bsdf), sample.pdf, importance);
+    }
+    if (path.touched >= ROULETTE_START) {
+        let survival = min(largest(path.throughput), 0.95);
+        if (u.w >= survival) {
+            path.event = EVENT_STOPPED;
+            path.goes_on = false;
+            return path;
+        }
+        path.throughput *= (1.0 / survival);
+    }
+    return path;
+}
+
 fn lamp_radiance_Buffers(
     scene: Buffers,
     index: u32,
@@ -2963,14 +3106,17 @@ fn render_pixel_Buffers(
 ) -> FilmPixel {
     let header = Buffers_header(scene);
     var film = before;
-    for (var i = 0u; i < settings.samples; i++) {
+    let count = launched_samples(settings, before.samples);
+    for (var i = 0u; i < count; i++) {
         let key = sample_key(settings, x, y, (settings.first_sample + i));
         let ray = sampled_camera_ray(header, settings, key, x, y);
         let path = trace_sample_Buffers(scene, settings, key, ray);
         film.radiance += path.radiance;
         film.squares += (path.radiance * path.radiance);
         film.rays += path.rays;
-        film.samples += 1u;
+    }
+    if (settings.counted == 0u) {
+        film.samples += count;
     }
     return film;
 }
@@ -2982,91 +3128,81 @@ fn trace_path_Buffers(
     depth: u32,
     background: vec3f,
 ) -> PathSample {
-    var result = PathSample(vec3f(0.0, 0.0, 0.0), 0u);
-    var throughput = vec3f(1.0, 1.0, 1.0);
-    var ray = first;
-    var touched: u32 = 0u;
-    var media = empty_space();
-    var previous = PathVertex(first.origin, first.direction, false, 0.0, 0.0);
-    for (var segment = 0u; segment < MAX_SEGMENTS; segment++) {
-        let hit = closest_hit_Buffers(scene, ray, key, segment);
-        result.rays += 1u;
-        if (hit.object == NONE) {
-            result.radiance += (throughput * escaped_radiance_Buffers(scene, previous, ray.direction));
-            if (previous.pdf <= 0.0) {
-                result.radiance += (throughput * background_radiance_Buffers(scene, background));
-            }
-            return result;
-        }
-        let shape = Buffers_shape(scene, hit.object);
-        let surface = Buffers_surface(scene, hit.object);
-        var point = hit_surface_Buffers(scene, ray, hit);
-        let wo = -ray.direction;
-        let cos_front = dot(point.normal, wo);
-        let front = (cos_front >= 0.0);
-        let material = sided_material_Buffers(scene, shape.material, front);
-        var at = uv_point(point.uv);
-        if (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE)) {
-            let p = hit_unit_point_Buffers(scene, ray, hit);
-            at = texture_point_Buffers(scene, hit.instance, shape, surface, material, p, point.uv);
-            point = with_normal_maps_Buffers(scene, hit, material, p, at, point);
-        }
-        let normal = facing_normal(point, wo);
-        if (surface.light != NONE) {
-            result.radiance += (throughput * lamp_radiance_Buffers(scene, surface.light, previous, point.position, cos_front));
-        }
-        let body = (surface.source ^ ((hit.instance + 1u) * 2654435769u));
-        var eta: f32 = 1.0;
-        if (material.refractive_index > 0.0) {
-            let outside = leave_medium(media, body).indices.x;
-            let inside = material.refractive_index;
-            eta = select((inside / outside), (outside / inside), front);
-        }
-        let bsdf = material_bsdf_Buffers(scene, material, at, eta, dot(normal, wo));
-        result.radiance += (throughput * bsdf.emissive);
-        if (touched >= depth) {
-            throughput *= bsdf.straight;
-            if is_dark(throughput) {
-                return result;
-            }
-            ray = Ray(offset_origin(point, ray.direction), ray.direction);
-            continue;
-        }
-        let dimension = (DIMENSION_FIRST_SURFACE + (segment * DIMENSIONS_PER_SURFACE));
-        let u_light = random4(key, dimension);
-        let importance = total_importance_Buffers(scene, point.position);
-        if (importance > 0.0) {
-            let direct = direct_light_Buffers(scene, point, bsdf, normal, wo, importance, vec3f(u_light.x, u_light.y, u_light.z));
-            result.radiance += (throughput * direct.radiance);
-            result.rays += direct.rays;
-        }
-        let u = random4(key, (dimension + 1u));
-        let sample = sample_bsdf(bsdf, normal, wo, vec3f(u.x, u.y, u.z));
-        if ((sample.event == EVENT_ABSORBED) || !same_side(point, normal, wo, sample.direction)) {
-            return result;
-        }
-        throughput *= sample.weight;
-        if ((material.refractive_index > 0.0) && ((dot(sample.direction, point.normal) * cos_front) < 0.0)) {
-            if front {
-                media = enter_medium(media, body, material.refractive_index);
-            } else {
-                media = leave_medium(media, body);
-            }
-        }
-        ray = Ray(offset_origin(point, sample.direction), sample.direction);
-        if (sample.event != EVENT_PASSED) {
-            touched += 1u;
-            previous = PathVertex(point.position, normal, transmits(bsdf), sample.pdf, importance);
-        }
-        if (touched >= ROULETTE_START) {
-            let survival = min(largest(throughput), 0.95);
-            if (u.w >= survival) {
-                return result;
-            }
-            throughput *= (1.0 / survival);
-        }
+    var path = start_path(first);
+    while path.goes_on {
+        path = extend_path_Buffers(scene, key, depth, background, path);
     }
-    return result;
+    return PathSample(path.radiance, path.rays);
+}
+
+fn bsdf_albedo(bsdf: Bsdf) -> vec3f {
+    return ((((bsdf.diffuse + bsdf.diffuse_transmission) + bsdf.glossy) + bsdf.glossy_transmission) + bsdf.straight);
+}
+
+fn view_depth(header: SceneHeader, position: vec3f) -> f32 {
+    let eye = transform_point(header.world_from_view, vec3f(0.0, 0.0, 0.0));
+    let forward = normalize(transform_vector(header.world_from_view, vec3f(0.0, 0.0, -1.0)));
+    return dot((position - eye), forward);
+}
+
+fn add_first_hit_Buffers(scene: Buffers, key: SampleKey, ray: Ray, before: LayerPixel) -> LayerPixel {
+    var layers = before;
+    layers.samples += 1u;
+    let hit = closest_hit_Buffers(scene, ray, key, 0u);
+    if (hit.object == NONE) {
+        return layers;
+    }
+    let shape = Buffers_shape(scene, hit.object);
+    let surface = Buffers_surface(scene, hit.object);
+    var point = hit_surface_Buffers(scene, ray, hit);
+    let wo = -ray.direction;
+    let front = (dot(point.normal, wo) >= 0.0);
+    let material = sided_material_Buffers(scene, shape.material, front);
+    var at = uv_point(point.uv);
+    if (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE)) {
+        let p = hit_unit_point_Buffers(scene, ray, hit);
+        at = texture_point_Buffers(scene, hit.instance, shape, surface, material, p, point.uv);
+        point = with_normal_maps_Buffers(scene, hit, material, p, at, point);
+    }
+    let normal = facing_normal(point, wo);
+    var eta: f32 = 1.0;
+    if (material.refractive_index > 0.0) {
+        eta = select(material.refractive_index, (1.0 / material.refractive_index), front);
+    }
+    let bsdf = material_bsdf_Buffers(scene, material, at, eta, dot(normal, wo));
+    layers.albedo += bsdf_albedo(bsdf);
+    layers.normal += normal;
+    layers.position += point.position;
+    layers.depth += view_depth(Buffers_header(scene), point.position);
+    layers.hits += 1u;
+    if (layers.object == 0u) {
+        var source = surface.source;
+        if (hit.instance != NONE) {
+            let placed = Buffers_surface(scene, hit.instance).source;
+            source = select(source, placed, (source == NONE));
+            layers.instance = (placed + 1u);
+        }
+        layers.object = (source + 1u);
+        layers.material = (shape.material + 1u);
+    }
+    return layers;
+}
+
+fn layers_of_pixel_Buffers(
+    scene: Buffers,
+    settings: LaunchSettings,
+    x: u32,
+    y: u32,
+    before: LayerPixel,
+) -> LayerPixel {
+    let header = Buffers_header(scene);
+    var layers = before;
+    for (var i = 0u; i < settings.samples; i++) {
+        let key = sample_key(settings, x, y, (settings.first_sample + i));
+        let ray = sampled_camera_ray(header, settings, key, x, y);
+        layers = add_first_hit_Buffers(scene, key, ray, layers);
+    }
+    return layers;
 }
 
 @group(0) @binding(0) var<uniform> HEADER: SceneHeader;
@@ -3079,6 +3215,7 @@ fn trace_path_Buffers(
 @group(0) @binding(7) var<storage, read> LIGHTS: array<LightRecord>;
 @group(0) @binding(8) var<storage, read> ATTRIBUTES: array<vec4f>;
 @group(0) @binding(9) var<storage, read_write> FILM: array<FilmPixel>;
+@group(0) @binding(9) var<storage, read_write> LAYERS: array<LayerPixel>;
 
 struct Buffers {
     unused: u32
@@ -3127,6 +3264,16 @@ fn Buffers_attribute(_scene: Buffers, index: u32) -> vec4f {
         let before = FILM[u32(index)];
         let after = render_pixel_Buffers(Buffers(0u), settings, (settings.tile_x + id.x), (settings.tile_y + id.y), before);
         FILM[u32(index)] = after;
+    }
+}
+
+@compute @workgroup_size(8, 8) fn render_layers(@builtin(global_invocation_id) id: vec3u) {
+    let settings = SETTINGS;
+    if ((id.x < settings.tile_width) && (id.y < settings.tile_height)) {
+        let index = ((id.y * settings.tile_width) + id.x);
+        let before = LAYERS[u32(index)];
+        let after = layers_of_pixel_Buffers(Buffers(0u), settings, (settings.tile_x + id.x), (settings.tile_y + id.y), before);
+        LAYERS[u32(index)] = after;
     }
 }
 

@@ -171,7 +171,7 @@ struct LaunchSettings {
     sampler: u32,
     sequence_bits: u32,
     reconstruction: u32,
-    reserved1: u32
+    counted: u32
 }
 const MAX_SEQUENCE_BITS: u32 = 20u;
 
@@ -180,6 +180,26 @@ struct FilmPixel {
     rays: u32,
     squares: vec3f,
     samples: u32
+}
+
+struct LayerPixel {
+    albedo: vec3f,
+    samples: u32,
+    normal: vec3f,
+    hits: u32,
+    position: vec3f,
+    depth: f32,
+    object: u32,
+    instance: u32,
+    material: u32,
+    reserved: u32
+}
+
+fn launched_samples(settings: LaunchSettings, pixel_samples: u32) -> u32 {
+    if (settings.counted == 0u) {
+        return settings.samples;
+    }
+    return min(settings.samples, (max(pixel_samples, settings.first_sample) - settings.first_sample));
 }
 
 fn transform_point(matrix: Affine, point: vec3f) -> vec3f {
@@ -1763,6 +1783,73 @@ fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
     return sample;
 }
 
+fn material_bsdf_Buffers(
+    scene: Buffers,
+    material: MaterialRecord,
+    at: TexturePoint,
+    eta: f32,
+    cosine: f32,
+) -> Bsdf {
+    let none = vec4f(0.0, 0.0, 0.0, 0.0);
+    var values: array<vec4f, 7> = array(none, none, none, none, none, none, none);
+    for (var i = 0u; i < MATERIAL_CHANNELS; i++) {
+        let channel = material_channel(material, i);
+        values[u32(i)] = channel_value_Buffers(scene, channel, at, missing_channel(i));
+    }
+    let c_d = values[0];
+    let tau = clear_transmission(material, values[1], c_d.w);
+    let c_s = values[2];
+    let c_dt = values[3];
+    let emissive = values[4];
+    let one = vec3f(1.0, 1.0, 1.0);
+    let zero = vec3f(0.0, 0.0, 0.0);
+    let interpolated = ((material.flags & MATERIAL_INTERPOLATED) != 0u);
+    var diffuse = max(vec3f(c_d.x, c_d.y, c_d.z), zero);
+    var glossy = max(vec3f(c_s.x, c_s.y, c_s.z), zero);
+    var exponent = select(shininess_exponent(values[5].x), 4.0, (material.shininess == NONE));
+    var transmission_exponent = shininess_exponent(values[6].x);
+    let diffuse_transmission = max(vec3f(c_dt.x, c_dt.y, c_dt.z), zero);
+    if interpolated {
+        diffuse *= (one - tau);
+        glossy *= (one - tau);
+    }
+    var straight = zero;
+    var blurred = zero;
+    if (material.refractive_index > 0.0) {
+        let reflected = fresnel_reflectance(eta, cosine);
+        let clear = clamp(tau, zero, one);
+        blurred = (clear * (1.0 - reflected));
+        if ((material.flags & MATERIAL_MIRRORS) != 0u) {
+            glossy = (clear * reflected);
+            exponent = MIRROR_EXPONENT;
+        }
+        if (material.specular != NONE) {
+            glossy += (clear * reflected);
+        }
+        if (material.transparency_shininess == NONE) {
+            transmission_exponent = MIRROR_EXPONENT;
+        }
+    } else {
+        let opacity = max((1.0 - smallest(undisturbed_part(material, tau, c_d.w))), 1.0e-6);
+        if (material.transparency_shininess == NONE) {
+            let passed = smallest(tau);
+            straight = max((tau - vec3f(passed, passed, passed)), zero);
+        } else {
+            let cut = (1.0 - clamp((c_d.w * material.opacity), 0.0, 1.0));
+            blurred = max((tau - vec3f(cut, cut, cut)), zero);
+        }
+        if interpolated {
+            diffuse *= (1.0 / opacity);
+            glossy *= (1.0 / opacity);
+        }
+        straight *= (1.0 / opacity);
+        blurred *= (1.0 / opacity);
+    }
+    let total = largest(((((diffuse + glossy) + diffuse_transmission) + straight) + blurred));
+    let scale = (1.0 / max(total, 1.0));
+    return Bsdf((diffuse * scale), (diffuse_transmission * scale), (glossy * scale), exponent, (blurred * scale), transmission_exponent, (straight * scale), max(vec3f(emissive.x, emissive.y, emissive.z), zero), eta);
+}
+
 fn sided_material_Buffers(scene: Buffers, index: u32, front: bool) -> MaterialRecord {
     let material = Buffers_material(scene, index);
     if (front || (material.back == NONE)) {
@@ -2979,6 +3066,27 @@ fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
     return power_heuristic(previous.pdf, light_pdf);
 }
 
+struct PathState {
+    radiance: vec3f,
+    rays: u32,
+    throughput: vec3f,
+    touched: u32,
+    ray: Ray,
+    segment: u32,
+    media: Media,
+    previous: PathVertex,
+    event: u32,
+    direct: vec3f,
+    goes_on: bool
+}
+const EVENT_ESCAPED: u32 = 4u;
+const EVENT_STOPPED: u32 = 5u;
+const EVENT_STARTED: u32 = 6u;
+
+fn start_path(first: Ray) -> PathState {
+    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, 0u, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), true);
+}
+
 fn trace_sample_Buffers(scene: Buffers, settings: LaunchSettings, key: SampleKey, ray: Ray) -> PathSample {
     let traced = trace_rays_Buffers(scene, settings, key, ray);
     return PathSample(traced.radiance, traced.rays);
@@ -2993,16 +3101,89 @@ fn render_pixel_Buffers(
 ) -> FilmPixel {
     let header = Buffers_header(scene);
     var film = before;
-    for (var i = 0u; i < settings.samples; i++) {
+    let count = launched_samples(settings, before.samples);
+    for (var i = 0u; i < count; i++) {
         let key = sample_key(settings, x, y, (settings.first_sample + i));
         let ray = sampled_camera_ray(header, settings, key, x, y);
         let path = trace_sample_Buffers(scene, settings, key, ray);
         film.radiance += path.radiance;
         film.squares += (path.radiance * path.radiance);
         film.rays += path.rays;
-        film.samples += 1u;
+    }
+    if (settings.counted == 0u) {
+        film.samples += count;
     }
     return film;
+}
+
+fn bsdf_albedo(bsdf: Bsdf) -> vec3f {
+    return ((((bsdf.diffuse + bsdf.diffuse_transmission) + bsdf.glossy) + bsdf.glossy_transmission) + bsdf.straight);
+}
+
+fn view_depth(header: SceneHeader, position: vec3f) -> f32 {
+    let eye = transform_point(header.world_from_view, vec3f(0.0, 0.0, 0.0));
+    let forward = normalize(transform_vector(header.world_from_view, vec3f(0.0, 0.0, -1.0)));
+    return dot((position - eye), forward);
+}
+
+fn add_first_hit_Buffers(scene: Buffers, key: SampleKey, ray: Ray, before: LayerPixel) -> LayerPixel {
+    var layers = before;
+    layers.samples += 1u;
+    let hit = closest_hit_Buffers(scene, ray, key, 0u);
+    if (hit.object == NONE) {
+        return layers;
+    }
+    let shape = Buffers_shape(scene, hit.object);
+    let surface = Buffers_surface(scene, hit.object);
+    var point = hit_surface_Buffers(scene, ray, hit);
+    let wo = -ray.direction;
+    let front = (dot(point.normal, wo) >= 0.0);
+    let material = sided_material_Buffers(scene, shape.material, front);
+    var at = uv_point(point.uv);
+    if (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE)) {
+        let p = hit_unit_point_Buffers(scene, ray, hit);
+        at = texture_point_Buffers(scene, hit.instance, shape, surface, material, p, point.uv);
+        point = with_normal_maps_Buffers(scene, hit, material, p, at, point);
+    }
+    let normal = facing_normal(point, wo);
+    var eta: f32 = 1.0;
+    if (material.refractive_index > 0.0) {
+        eta = select(material.refractive_index, (1.0 / material.refractive_index), front);
+    }
+    let bsdf = material_bsdf_Buffers(scene, material, at, eta, dot(normal, wo));
+    layers.albedo += bsdf_albedo(bsdf);
+    layers.normal += normal;
+    layers.position += point.position;
+    layers.depth += view_depth(Buffers_header(scene), point.position);
+    layers.hits += 1u;
+    if (layers.object == 0u) {
+        var source = surface.source;
+        if (hit.instance != NONE) {
+            let placed = Buffers_surface(scene, hit.instance).source;
+            source = select(source, placed, (source == NONE));
+            layers.instance = (placed + 1u);
+        }
+        layers.object = (source + 1u);
+        layers.material = (shape.material + 1u);
+    }
+    return layers;
+}
+
+fn layers_of_pixel_Buffers(
+    scene: Buffers,
+    settings: LaunchSettings,
+    x: u32,
+    y: u32,
+    before: LayerPixel,
+) -> LayerPixel {
+    let header = Buffers_header(scene);
+    var layers = before;
+    for (var i = 0u; i < settings.samples; i++) {
+        let key = sample_key(settings, x, y, (settings.first_sample + i));
+        let ray = sampled_camera_ray(header, settings, key, x, y);
+        layers = add_first_hit_Buffers(scene, key, ray, layers);
+    }
+    return layers;
 }
 
 @group(0) @binding(0) var<uniform> HEADER: SceneHeader;
@@ -3015,6 +3196,7 @@ fn render_pixel_Buffers(
 @group(0) @binding(7) var<storage, read> LIGHTS: array<LightRecord>;
 @group(0) @binding(8) var<storage, read> ATTRIBUTES: array<vec4f>;
 @group(0) @binding(9) var<storage, read_write> FILM: array<FilmPixel>;
+@group(0) @binding(9) var<storage, read_write> LAYERS: array<LayerPixel>;
 
 struct Buffers {
     unused: u32
@@ -3063,6 +3245,16 @@ fn Buffers_attribute(_scene: Buffers, index: u32) -> vec4f {
         let before = FILM[u32(index)];
         let after = render_pixel_Buffers(Buffers(0u), settings, (settings.tile_x + id.x), (settings.tile_y + id.y), before);
         FILM[u32(index)] = after;
+    }
+}
+
+@compute @workgroup_size(8, 8) fn render_layers(@builtin(global_invocation_id) id: vec3u) {
+    let settings = SETTINGS;
+    if ((id.x < settings.tile_width) && (id.y < settings.tile_height)) {
+        let index = ((id.y * settings.tile_width) + id.x);
+        let before = LAYERS[u32(index)];
+        let after = layers_of_pixel_Buffers(Buffers(0u), settings, (settings.tile_x + id.x), (settings.tile_y + id.y), before);
+        LAYERS[u32(index)] = after;
     }
 }
 

@@ -10,6 +10,7 @@ use wgsl_rs::wgsl;
 #[allow(dead_code)]
 #[wgsl(skip_validation)]
 pub mod kernel {
+    use kernels::layers::kernel::*;
     use kernels::path::kernel::*;
     use kernels::records::kernel::*;
     use wgsl_rs::std::*;
@@ -24,6 +25,8 @@ pub mod kernel {
     storage!(group(0), binding(7), LIGHTS: RuntimeArray<LightRecord>);
     storage!(group(0), binding(8), ATTRIBUTES: RuntimeArray<Vec4f>);
     storage!(group(0), binding(9), read_write, FILM: RuntimeArray<FilmPixel>);
+    // Another entry point, so the same place.
+    storage!(group(0), binding(9), read_write, LAYERS: RuntimeArray<LayerPixel>);
 
     /// Stands for the storage buffers where the kernels expect a scene.
     #[derive(Copy, Clone, Wgsl)]
@@ -77,6 +80,25 @@ pub mod kernel {
                 before,
             );
             get_mut!(FILM)[index as usize] = after;
+        }
+    }
+
+    /// As `render_tile`, for the layers.
+    #[compute]
+    #[workgroup_size(8, 8)]
+    pub fn render_layers(#[builtin(global_invocation_id)] id: Vec3u) {
+        let settings = load!(SETTINGS);
+        if id.x < settings.tile_width && id.y < settings.tile_height {
+            let index = id.y * settings.tile_width + id.x;
+            let before = get!(LAYERS)[index as usize];
+            let after = layers_of_pixel::<Buffers>(
+                Buffers { unused: 0u32 },
+                settings,
+                settings.tile_x + id.x,
+                settings.tile_y + id.y,
+                before,
+            );
+            get_mut!(LAYERS)[index as usize] = after;
         }
     }
 }

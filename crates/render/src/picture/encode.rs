@@ -1,44 +1,115 @@
-//! The bytes of the two image formats.
+//! The bytes of the two image formats, written while bands arrive from top to bottom.
 
-use crate::Film;
-use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, Vec2, WritableImage};
+use super::layers::{Layers, Origins, block_bytes};
+use crate::bands::Band;
+use crate::film::mean_radiance;
+use exr::block::chunk::Chunk;
+use exr::block::writer::{ChunksWriter, write_chunks_with};
+use exr::block::{BlockIndex, UncompressedBlock};
+use exr::meta::BlockDescription;
+use exr::meta::attribute::{AttributeValue, ChannelDescription, LineOrder};
+use exr::meta::header::Header;
+use exr::prelude::{Compression, Text, Vec2};
 use kernels::tone::kernel::tone_map;
+use rayon::prelude::*;
 use std::io::{self, Seek, Write};
 
-/// Writes 8-bit sRGB. Row by row, so that memory does not grow with the picture.
-pub(super) fn png(film: &Film, exposure: f32, file: impl Write) -> io::Result<()> {
-    let mut encoder = png::Encoder::new(file, film.width, film.height);
+/// Takes bands.
+pub(super) type Sink<'a> = dyn FnMut(&Band<'_>) -> io::Result<()> + 'a;
+
+/// Writes 8-bit sRGB; `produce` shows the radiance of all pixels row by row.
+pub(super) fn png(
+    (width, height): (u32, u32),
+    exposure: f32,
+    file: impl Write,
+    produce: impl FnOnce(&mut dyn FnMut([f32; 3]) -> io::Result<()>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut encoder = png::Encoder::new(file, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header()?;
     let mut stream = writer.stream_writer()?;
-    let mut row = Vec::with_capacity(film.width as usize * 3);
-    for y in 0..film.height {
-        row.clear();
-        for x in 0..film.width {
-            let encoded = tone_map(film.radiance(x, y).into(), exposure).to_array();
-            // The conversion saturates, and takes NaN to 0.
-            row.extend(encoded.map(|value| (value * 255.0).round() as u8));
-        }
-        stream.write_all(&row)?;
-    }
+    produce(&mut |radiance| {
+        let encoded = tone_map(radiance.into(), exposure).to_array();
+        // The conversion saturates, and takes NaN to 0.
+        stream.write_all(&encoded.map(|value| (value * 255.0).round() as u8))
+    })?;
     stream.finish()?;
     writer.finish()?;
     Ok(())
 }
 
-/// Writes linear 32-bit floats in the channels R, G and B.
-pub(super) fn exr(film: &Film, file: impl Write + Seek) -> io::Result<()> {
-    let channels = SpecificChannels::rgb(|Vec2(x, y): Vec2<usize>| {
-        let [r, g, b] = film.radiance(x as u32, y as u32);
-        (r, g, b)
+/// Shows the radiance of a band's pixels.
+pub(super) fn radiances(band: &Band<'_>, see: &mut dyn FnMut([f32; 3]) -> io::Result<()>) -> io::Result<()> {
+    band.pixels.iter().try_for_each(|pixel| see(mean_radiance(pixel)))
+}
+
+/// Scan lines of a compressed block.
+const BLOCK_ROWS: usize = 16;
+
+/// Writes linear 32-bit floats in the channels R, G and B, and the layers; zip-compressed scan lines are what every
+/// program that knows EXR reads. All bands but the last must have a multiple of 16 rows.
+pub(super) fn exr(
+    size: (u32, u32),
+    layers: &Layers,
+    origins: &Origins,
+    file: impl Write + Seek,
+    produce: impl FnOnce(&mut Sink<'_>) -> io::Result<()>,
+) -> io::Result<()> {
+    let channels = layers.channels();
+    let descriptions =
+        channels.iter().map(|(name, quantity)| ChannelDescription::named(*name, quantity.sample_type()));
+    let mut header =
+        Header::new(Text::from("picture"), (size.0 as usize, size.1 as usize), descriptions.collect())
+            .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing);
+    // A single image needs no name.
+    header.own_attributes.layer_name = None;
+    if !layers.is_empty()
+        && let Some(manifest) = origins.manifest()
+    {
+        header.own_attributes.other.insert(Text::from("objectTypes"), AttributeValue::Text(manifest));
+    }
+    let mut failure = None;
+    let written = write_chunks_with(file, [header].into_iter().collect(), true, |meta, chunks| {
+        let mut block = 0;
+        let produced = produce(&mut |band| {
+            let rows = band.pixels.len() / (band.width as usize).max(1);
+            let starts: Vec<usize> = (0..rows).step_by(BLOCK_ROWS).collect();
+            let compressed: Vec<exr::error::Result<Chunk>> = starts
+                .into_par_iter()
+                .map(|start| {
+                    let lines = BLOCK_ROWS.min(rows - start);
+                    let index = BlockIndex {
+                        layer: 0,
+                        pixel_position: Vec2(0, band.first_row as usize + start),
+                        pixel_size: Vec2(band.width as usize, lines),
+                        level: Vec2(0, 0),
+                    };
+                    let data = block_bytes(band, start..start + lines, &channels, origins);
+                    UncompressedBlock { index, data }.compress_to_chunk(&meta.headers)
+                })
+                .collect();
+            for chunk in compressed {
+                chunks.write_chunk(block, chunk.map_err(io_error)?).map_err(io_error)?;
+                block += 1;
+            }
+            Ok(())
+        });
+        produced.map_err(|error| {
+            failure = Some(error);
+            exr::error::Error::Aborted
+        })
     });
-    // Zip-compressed scan lines are what every program that knows EXR reads.
-    let size = (film.width as usize, film.height as usize);
-    let layer = Layer::new(size, LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
-    Image::from_layer(layer).write().non_parallel().to_buffered(file).map_err(|error| match error {
+    match (failure, written) {
+        (Some(error), _) => Err(error),
+        (None, written) => written.map_err(io_error),
+    }
+}
+
+fn io_error(error: exr::error::Error) -> io::Error {
+    match error {
         exr::error::Error::Io(error) => error,
         other => io::Error::other(other),
-    })
+    }
 }

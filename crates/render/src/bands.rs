@@ -1,0 +1,143 @@
+//! A picture band by band: rows are rendered, handed on and forgotten, so that memory does not grow with the picture.
+
+use crate::passes::{StopRule, render_until};
+use crate::{Batch, LoadedScene, Progress, RenderError, RenderSettings, adaptive};
+use bytemuck::Zeroable;
+use kernels::records::kernel::{FilmPixel, LayerPixel};
+
+/// Finished rows of a picture.
+#[derive(Clone, Copy, Debug)]
+pub struct Band<'a> {
+    /// The uppermost row, from the top of the picture.
+    pub first_row: u32,
+    /// Width of the picture in pixels.
+    pub width: u32,
+    /// Row by row from the top.
+    pub pixels: &'a [FilmPixel],
+    /// As many, or none if no layers are wanted.
+    pub layers: &'a [LayerPixel],
+}
+
+/// How the samples are spread over the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sampling {
+    /// The same number for every pixel: that of the settings.
+    Uniform,
+    /// On average that of the settings, more where the picture is noisy; see [`adaptive`].
+    Adaptive,
+    /// The same for every pixel until a time is over or the picture is clean enough.
+    Until(StopRule),
+}
+
+/// Bytes that a band may take as a rule.
+pub const BAND_BYTES: u64 = 256 << 20;
+/// Bytes that the films of [`Sampling::Adaptive`] and [`Sampling::Until`], which are in memory as a whole, may take.
+pub const FILM_BYTES: u64 = 4 << 30;
+/// Bands have a multiple of this number of rows: the height of EXR's compressed blocks.
+const ROW_STEP: u32 = 16;
+
+/// What a rendering took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BandStatistics {
+    /// Samples taken for the whole picture.
+    pub samples: u64,
+    /// Rays traced for the whole picture, shadow rays included.
+    pub rays: u64,
+    /// Whether no light at all arrived.
+    pub black: bool,
+    /// Most bytes that bands took at a time.
+    pub peak_bytes: u64,
+    /// Estimated relative error where the whole film was at hand, see [`crate::relative_noise`].
+    pub noise: Option<f64>,
+}
+
+/// Rows of a band of a picture, given the bytes that it may take: all rows if they fit, else a multiple of 16.
+pub fn band_rows(settings: &RenderSettings, with_layers: bool, bytes: u64) -> u32 {
+    let layer = if with_layers { size_of::<LayerPixel>() } else { 0 };
+    let row = u64::from(settings.window().width) * (size_of::<FilmPixel>() + layer) as u64;
+    let rows = u32::try_from(bytes / row.max(1)).unwrap_or(u32::MAX);
+    let height = settings.window().height;
+    if rows >= height { height } else { (rows / ROW_STEP).max(1) * ROW_STEP }
+}
+
+/// Renders a picture, with the layers if they are wanted, and hands its bands from top to bottom to `sink`. A band
+/// takes about `bytes`. `progress` hears of the samples of the whole picture.
+///
+/// # Errors
+/// If the device fails, `progress` asks to stop, or `sink` fails.
+pub fn render_bands(
+    scene: &dyn LoadedScene,
+    settings: &RenderSettings,
+    sampling: Sampling,
+    with_layers: bool,
+    bytes: u64,
+    progress: &Progress<'_>,
+    sink: &mut dyn FnMut(&Band<'_>) -> Result<(), RenderError>,
+) -> Result<BandStatistics, RenderError> {
+    let film = match sampling {
+        Sampling::Uniform => None,
+        Sampling::Adaptive => {
+            check_film(settings, 2)?;
+            Some(adaptive::render_adaptive(scene, settings, progress)?)
+        }
+        Sampling::Until(rule) => {
+            check_film(settings, 1)?;
+            Some(render_until(scene, settings, rule, progress)?)
+        }
+    };
+    let rows = band_rows(settings, with_layers, bytes);
+    let window = settings.window();
+    let width = window.width as usize;
+    let mut statistics = BandStatistics {
+        black: true,
+        noise: film.as_ref().map(crate::relative_noise),
+        ..BandStatistics::default()
+    };
+    let mut done = 0;
+    let mut own: Vec<FilmPixel> = Vec::new();
+    let mut layers: Vec<LayerPixel> = Vec::new();
+    for first_row in (0..window.height).step_by(rows.max(1) as usize) {
+        let batch = Batch { first_row, rows: rows.min(window.height - first_row), ..Batch::whole(settings) };
+        let count = batch.pixels(settings);
+        let pixels = match &film {
+            Some(film) => &film.pixels[first_row as usize * width..][..count],
+            None => {
+                own.clear();
+                own.resize(count, FilmPixel::zeroed());
+                scene.add_samples(settings, &batch, &mut own, &|samples| progress(done + samples))?;
+                &own[..]
+            }
+        };
+        if with_layers {
+            layers.clear();
+            layers.resize(count, LayerPixel::zeroed());
+            let samples = mean_samples(pixels);
+            let still = |_| progress(done);
+            scene.add_layers(settings, &Batch { samples, ..batch }, &mut layers, &still)?;
+        }
+        done += count as u64 * u64::from(settings.samples);
+        let taken = own.capacity() * size_of::<FilmPixel>() + layers.capacity() * size_of::<LayerPixel>();
+        statistics.peak_bytes = statistics.peak_bytes.max(taken as u64);
+        statistics.samples += pixels.iter().map(|pixel| u64::from(pixel.samples)).sum::<u64>();
+        statistics.rays += pixels.iter().map(|pixel| u64::from(pixel.rays)).sum::<u64>();
+        statistics.black &= pixels.iter().all(|pixel| pixel.radiance.to_array() == [0.0; 3]);
+        sink(&Band { first_row, width: window.width, pixels, layers: &layers })?;
+    }
+    Ok(statistics)
+}
+
+/// Samples per pixel, on average.
+fn mean_samples(pixels: &[FilmPixel]) -> u32 {
+    let sum: u64 = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+    u32::try_from(sum / pixels.len().max(1) as u64).unwrap_or(u32::MAX).max(1)
+}
+
+fn check_film(settings: &RenderSettings, films: u64) -> Result<(), RenderError> {
+    let window = settings.window();
+    let pixels = u64::from(window.width) * u64::from(window.height);
+    let needed = films * pixels * size_of::<FilmPixel>() as u64;
+    if needed > FILM_BYTES {
+        return Err(RenderError::FilmTooLarge { needed, limit: FILM_BYTES });
+    }
+    Ok(())
+}
