@@ -24,7 +24,7 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Make a picture of a scene
-    Render(RenderArguments),
+    Render(Box<RenderArguments>),
     /// Show what a scene holds, and what of it cannot be drawn
     Info(InfoArguments),
     /// List the processors and graphics cards that can render
@@ -385,7 +385,7 @@ mod tests {
     fn render(words: &[&str]) -> Result<RenderArguments, clap::Error> {
         let all = ["sunshine", "render", "plant.gsz"].iter().chain(words);
         match Arguments::try_parse_from(all)?.command {
-            Command::Render(arguments) => Ok(arguments),
+            Command::Render(arguments) => Ok(*arguments),
             other => panic!("{other:?}"),
         }
     }

@@ -25,9 +25,9 @@ fn independent_errors_fall_with_the_square_root_and_sobol_errors_faster() {
         // Steeper, beyond the scatter. Behind several surfaces the integrand has many dimensions, so not by much.
         let difference = slope - sobol_slope;
         assert!(difference > 1.5 * error.hypot(sobol_error), "{name}: {slope} and {sobol_slope}");
-        for step in 2..SAMPLES.len() {
+        for (step, samples) in SAMPLES.iter().enumerate().skip(2) {
             let (a, b) = (independent.error(step), sobol.error(step));
-            assert!(b < a, "{name}: {b} against {a} at {} samples", SAMPLES[step]);
+            assert!(b < a, "{name}: {b} against {a} at {samples} samples");
         }
         assert!(gain > 1.5, "{name}: {gain}");
         // Both are right: their means agree within the scatter among seeds.
