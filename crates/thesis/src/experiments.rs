@@ -5,7 +5,7 @@ use crate::plot::Plot;
 use crate::reference::{BUSH, CORNELL, CYLINDER_TWILIGHT, SOFT_SHADOW};
 use crate::scenes::{ThesisScene, scene};
 use crate::table::{Table, seconds};
-use render::{Acceleration, Film, RenderSettings};
+use render::{Acceleration, Film, RenderSettings, Renderer};
 
 /// One experiment.
 #[derive(Clone, Copy, Debug)]
@@ -125,21 +125,27 @@ fn shadows(machine: &Machine, scale: Scale) -> Result<Outcome, ExperimentError> 
     Ok(outcome)
 }
 
-/// The path tracer sends one shadow ray per path, so as many paths make as many shadow rays.
+/// The ray tracer as in the thesis, one ray per pixel with all its shadow rays, and the path tracer, which sends one
+/// shadow ray per path, with as many paths.
 fn soft_shadow(machine: &Machine, scale: Scale) -> Result<Outcome, ExperimentError> {
     let reference = SOFT_SHADOW;
-    let mut outcome = Outcome {
-        table: Table::new(["device", "seconds", "2008 GPU", "Twilight", "Twilight path tracer"]),
-        ..Outcome::default()
-    };
+    let columns = ["device", "renderer", "seconds", "2008 GPU", "Twilight", "Twilight path tracer"];
+    let mut outcome = Outcome { table: Table::new(columns), ..Outcome::default() };
+    let scene = scene(ThesisScene::AreaShadow);
     for (name, device) in &machine.devices {
-        let settings = settings(scale, reference.width, reference.height, reference.shadow_rays, 1);
-        let scene = scene(ThesisScene::AreaShadow);
-        let timed = render_timed(device.as_ref(), &scene, &settings, Acceleration::Bvh)?;
-        let figures = [reference.sunshine_2008, reference.twilight, reference.path_tracer];
-        let names = [name.clone(), seconds(timed.seconds)];
-        outcome.table.push(names.into_iter().chain(figures.map(|figure| figure.to_string())));
-        outcome.pictures.push((format!("area-shadow-{name}"), timed.film));
+        for (renderer, samples) in [(Renderer::RayTracer, 1), (Renderer::PathTracer, reference.shadow_rays)] {
+            let settings = RenderSettings {
+                renderer,
+                shadow_samples: reference.shadow_rays,
+                grid: 1,
+                ..settings(scale, reference.width, reference.height, samples, 1)
+            };
+            let timed = render_timed(device.as_ref(), &scene, &settings, Acceleration::Bvh)?;
+            let figures = [reference.sunshine_2008, reference.twilight, reference.path_tracer];
+            let names = [name.clone(), renderer.name().to_owned(), seconds(timed.seconds)];
+            outcome.table.push(names.into_iter().chain(figures.map(|figure| figure.to_string())));
+            outcome.pictures.push((format!("area-shadow-{}-{name}", renderer.name()), timed.film));
+        }
     }
     Ok(outcome)
 }
