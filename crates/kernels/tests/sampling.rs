@@ -25,7 +25,7 @@ fn settings(sampler: u32, bits: u32, seed: u32) -> LaunchSettings {
         sampler,
         sequence_bits: bits,
         reconstruction: 0,
-        reserved1: 0,
+        counted: 0,
     }
 }
 
