@@ -8,6 +8,8 @@
 //! depend on data are marked; no kernel relies on infinities or NaN, which WGSL does not guarantee.
 // WGSL has no std::f32::consts, and no method calls such as (a..b).contains(&x).
 #![allow(clippy::approx_constant, clippy::excessive_precision, clippy::manual_range_contains)]
+// The translator knows no assignments with bitwise operators.
+#![allow(clippy::assign_op_pattern)]
 
 pub mod bsdf;
 pub mod bump;

@@ -66,8 +66,8 @@ pub mod kernel {
         let mut rest = index;
         while rest != 0u32 {
             if (rest & 1u32) != 0u32 {
-                z = z ^ z0;
-                w = w ^ w0;
+                z ^= z0;
+                w ^= w0;
             }
             let z2 = z1 ^ z0 ^ (z0 << 2u32);
             z0 = z1;
@@ -76,7 +76,7 @@ pub mod kernel {
             w0 = w1;
             w1 = w2;
             w2 = w3;
-            rest = rest >> 1u32;
+            rest >>= 1u32;
         }
         vec4u(index, y, z, w)
     }

@@ -37,8 +37,9 @@ fn mean(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
 
 #[test]
 fn a_step_seen_through_a_filter_is_its_integral() {
-    /// Densities by distance from the middle of the pixel, up to a radius.
-    const PROFILES: [(Filter, fn(f64) -> f64, f64); 4] = [
+    /// Density by distance from the middle of the pixel, up to a radius.
+    type Profile = (Filter, fn(f64) -> f64, f64);
+    const PROFILES: [Profile; 4] = [
         (Filter::Box, |_| 1.0, 0.5),
         (Filter::Tent, |x| 1.0 - x.abs(), 1.0),
         (Filter::Gaussian, |x| (-2.0 * x * x).exp() / ((0.5 * PI).sqrt() * 0.997_300_203_9), 1.5),

@@ -667,8 +667,8 @@ fn sobol4(index: u32) -> vec4u {
     var rest = index;
     while (rest != 0u) {
         if ((rest & 1u) != 0u) {
-            z = (z ^ z0);
-            w = (w ^ w0);
+            z ^= z0;
+            w ^= w0;
         }
         let z2 = ((z1 ^ z0) ^ (z0 << 2u));
         z0 = z1;
@@ -677,7 +677,7 @@ fn sobol4(index: u32) -> vec4u {
         w0 = w1;
         w1 = w2;
         w2 = w3;
-        rest = (rest >> 1u);
+        rest >>= 1u;
     }
     return vec4u(index, y, z, w);
 }
