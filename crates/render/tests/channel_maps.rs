@@ -128,7 +128,8 @@ impl Picture {
                         None => whole = false,
                     }
                 }
-                if !whole {
+                // A function that changes by so much has a pole in the pixel or beside it.
+                if !whole || high - low > 3.0 {
                     continue;
                 }
                 compared += 1;
