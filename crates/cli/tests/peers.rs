@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the failure report")]
 
 use exr::prelude::{FlatSamples, read_all_flat_layers_from_file};
-use render::{ControlFlow, DeviceChoice, Film, RenderSettings, compile, open_device};
+use render::{ControlFlow, DeviceChoice, Film, RenderSettings, Sampler, compile, open_device};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -17,7 +17,9 @@ fn render_project(name: &str, settings: &RenderSettings) -> Film {
     assert!(project.report.is_empty(), "{:?}", project.report);
     let device = open_device(DeviceChoice::Cpu, None).unwrap();
     let scene = Arc::new(compile(&project.scene).unwrap());
-    device.load(scene).unwrap().render(settings, &|_| ControlFlow::Continue(())).unwrap()
+    // The scores need the variance of the mean, which single samples predict only if they are independent.
+    let settings = RenderSettings { sampler: Sampler::Independent, ..settings.clone() };
+    device.load(scene).unwrap().render(&settings, &|_| ControlFlow::Continue(())).unwrap()
 }
 
 /// A reference picture: mean radiance and its standard error per pixel and channel.
