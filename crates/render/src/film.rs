@@ -47,11 +47,6 @@ impl Film {
         self.pixels.iter().map(mean_radiance)
     }
 
-    /// Whether no light at all arrived.
-    pub fn is_black(&self) -> bool {
-        self.radiances().all(|radiance| radiance == [0.0; 3])
-    }
-
     /// Number of rays traced for the whole picture, shadow rays included.
     pub fn rays(&self) -> u64 {
         self.pixels.iter().map(|pixel| u64::from(pixel.rays)).sum()

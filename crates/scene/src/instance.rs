@@ -39,8 +39,9 @@ pub(crate) fn joined(a: Bounds, b: Bounds) -> Bounds {
     }
 }
 
-/// The box of a transformed box: |M| * half extents (Arvo, "Transforming axis-aligned bounding boxes", 1990).
-pub(crate) fn transformed(bounds: (DVec3, DVec3), matrix: &DAffine3) -> (DVec3, DVec3) {
+/// The axis-parallel box round a transformed box, both as (minimum, maximum): |M| * half extents (Arvo, "Transforming
+/// axis-aligned bounding boxes", 1990).
+pub fn transformed_box(bounds: (DVec3, DVec3), matrix: &DAffine3) -> (DVec3, DVec3) {
     let (low, high) = bounds;
     let centre = matrix.transform_point3((low + high) * 0.5);
     let half = (high - low) * 0.5;
@@ -55,7 +56,7 @@ pub(crate) fn group_bounds(groups: &[Group], meshes: &[Mesh]) -> Vec<Bounds> {
         group.objects.iter().fold(None, |bounds, object| joined(bounds, object.bounds(meshes)))
     };
     fold_groups(groups, own, |all, instance, inner| {
-        joined(all, inner.map(|inner| transformed(inner, &instance.world_from_group)))
+        joined(all, inner.map(|inner| transformed_box(inner, &instance.world_from_group)))
     })
 }
 

@@ -26,7 +26,7 @@ pub use distribution::Distribution;
 pub use effort::Effort;
 pub use glam::{DAffine3, DMat2, DMat3, DVec2, DVec3};
 pub use image::Image;
-pub use instance::{Group, GroupId, Instance};
+pub use instance::{Group, GroupId, Instance, transformed_box};
 pub use java_random::JavaRandom;
 pub use light::{Attenuation, Daylight, Light, LightKind, Sky, SkyRadiance};
 pub use material::{Material, Phong};
@@ -156,7 +156,7 @@ impl Scene {
         }
         for placed in &self.instances {
             let group = groups.get(placed.group.index()).copied().flatten();
-            let placed = group.map(|group| instance::transformed(group, &placed.world_from_group));
+            let placed = group.map(|group| transformed_box(group, &placed.world_from_group));
             bounds = instance::joined(bounds, placed);
         }
         bounds

@@ -56,6 +56,6 @@ impl Object {
             // The box of the vertices is tighter than the box of the transformed box.
             return meshes.get(id.index())?.bounds(&self.world_from_object);
         }
-        Some(crate::instance::transformed(self.shape.bounds()?, &self.world_from_object))
+        Some(crate::transformed_box(self.shape.bounds()?, &self.world_from_object))
     }
 }

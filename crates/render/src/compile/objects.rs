@@ -8,7 +8,7 @@ use super::{Acceleration, CompileError, affine, count};
 use kernels::records::kernel::{
     FLAG_NOT_OPAQUE, NONE, ObjectRecord, SHAPE_INSTANCE, ShapeRecord, SurfaceRecord,
 };
-use scene::{DAffine3, DVec3, MeshId, Object, Origin, Scene, Shape, VisibleSides};
+use scene::{DAffine3, DVec3, MeshId, Object, Origin, Scene, Shape, VisibleSides, transformed_box};
 use std::collections::HashMap;
 
 /// Objects as records with their boxes.
@@ -256,7 +256,7 @@ impl Compiler<'_> {
             v_scale: 1.0,
             attributes: NONE,
         };
-        let box_of_group = corners.map(|corners| box_round(&unit.local_from_unit, corners));
+        let box_of_group = corners.map(|corners| transformed_box(corners, &unit.local_from_unit));
         let flags = any_not_opaque & FLAG_NOT_OPAQUE;
         let record = self.record(&unit, count(group), flags, source, NONE)?;
         level.bounded.push(record);
@@ -319,13 +319,4 @@ impl Compiler<'_> {
             },
         })
     }
-}
-
-/// Box of a transformed box.
-fn box_round(matrix: &DAffine3, (low, high): (DVec3, DVec3)) -> (DVec3, DVec3) {
-    let centre = matrix.transform_point3(0.5 * (low + high));
-    let half = 0.5 * (high - low);
-    let m = matrix.matrix3;
-    let extent = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
-    (centre - extent, centre + extent)
 }
