@@ -72,6 +72,12 @@ pub struct RenderArguments {
     #[arg(long, conflicts_with_all = ["time", "noise"])]
     pub adaptive: bool,
 
+    /// Remove the noise that is left with Open Image Denoise: good to look at with few samples, but biased. It is a
+    /// guess of what the picture might be; small leaves, veins and soft shadows may be blurred or invented. Measure in
+    /// pictures without it; an .exr keeps them as noisy.R, noisy.G, noisy.B. README.md says how to get it
+    #[arg(long, conflicts_with = "pixel")]
+    pub denoise: bool,
+
     /// Number of surfaces that a light path may touch; 1 shows direct light only, shaded leaves need 5 or more
     #[arg(long, value_name = "N", default_value_t = RenderSettings::default().depth,
           value_parser = whole_number(1..=1000))]

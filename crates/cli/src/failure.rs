@@ -25,6 +25,10 @@ pub enum Failure {
     /// The scene was read but cannot be rendered.
     #[error("the scene cannot be rendered")]
     Compile(#[from] CompileError),
+    /// The denoiser is missing or does not start.
+    #[cfg(feature = "denoise")]
+    #[error("--denoise is not possible")]
+    Denoiser(#[from] denoise::DenoiseError),
     /// The device is missing or gave up.
     #[error(transparent)]
     Device(#[from] DeviceError),

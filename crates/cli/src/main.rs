@@ -3,6 +3,7 @@
 mod arguments;
 mod bench_command;
 mod camera_arguments;
+mod denoising;
 mod devices_command;
 mod failure;
 mod info_command;

@@ -1,13 +1,15 @@
 //! `sunshine render`: from a scene file to a picture file.
 
 use crate::arguments::{Pixel, RenderArguments};
+use crate::denoising::Denoiser;
 use crate::failure::Failure;
 use crate::progress::{Messages, RenderProgress};
 use crate::statistics::{Seconds, Statistics, count_text, duration_text, timed};
 use render::{
-    BAND_BYTES, BandStatistics, Origins, PictureFormat, PictureTarget, RenderSettings, Renderer, Sampling,
-    StopRule,
+    BAND_BYTES, Band, BandStatistics, NoisyPicture, Origins, PictureFormat, PictureTarget, RenderSettings,
+    Renderer, Sampling, StopRule,
 };
+use std::cell::Cell;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -24,7 +26,7 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     let format = PictureFormat::from_path(&output)?;
     check_outputs(&output, arguments.stats.as_deref())?;
 
-    let layers = arguments.layers.clone().unwrap_or_default();
+    let mut layers = arguments.layers.clone().unwrap_or_default();
     if !layers.is_empty() && format != PictureFormat::Exr {
         return Err(Failure::Usage(format!(
             "--layers needs an .exr; {} has no place for them",
@@ -39,6 +41,10 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     let threads = arguments.threads.map(|threads| threads as usize);
     if let Some(pixel) = arguments.pixel {
         return pixel_events(arguments, pixel, messages);
+    }
+    let denoiser = open_denoiser(arguments, &settings, threads)?;
+    if let Some(denoiser) = &denoiser {
+        layers = layers.denoised_by(denoiser.to_string());
     }
     // A device that is not there is told before a large scene is read.
     let device =
@@ -68,27 +74,36 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
         render::stream_picture(&target, |sink| {
             // Rows are written while others are still to be rendered.
             let (mut producing, mut writing) = (0.0, 0.0);
+            let denoising = Cell::new(0.0);
             rendered = timed(&mut producing, || {
-                render::render_bands(
-                    loaded.as_ref(),
-                    &settings,
-                    arguments.sampling(),
-                    layers.are_traced(),
-                    BAND_BYTES,
-                    &|done| progress.update(done),
-                    &mut |band| {
-                        let mut step = 0.0;
-                        let result = timed(&mut step, || sink(band));
-                        writing += step;
-                        result
-                    },
-                )
+                let (scene, sampling) = (loaded.as_ref(), arguments.sampling());
+                let update = |done| progress.update(done);
+                let mut write = |band: &Band<'_>| {
+                    let mut step = 0.0;
+                    let result = timed(&mut step, || sink(band));
+                    writing += step;
+                    result
+                };
+                let Some(denoiser) = &denoiser else {
+                    let traced = layers.are_traced();
+                    return render::render_bands(
+                        scene, &settings, sampling, traced, BAND_BYTES, &update, &mut write,
+                    );
+                };
+                let denoise = |picture: &NoisyPicture| {
+                    let mut step = 0.0;
+                    let result = timed(&mut step, || denoiser.denoise(picture));
+                    denoising.set(step);
+                    result
+                };
+                render::render_denoised(scene, &settings, sampling, &denoise, &update, &mut write)
             })?;
-            seconds.render = producing - writing;
+            seconds.denoise = denoising.get();
+            seconds.render = producing - writing - seconds.denoise;
             Ok(())
         })
     })?;
-    seconds.write = total - seconds.render;
+    seconds.write = total - seconds.render - seconds.denoise;
     progress.finish();
 
     if rendered.black {
@@ -99,6 +114,7 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     }
     let exposure = Exposure::of(format, arguments.exposure, stops);
     let mut statistics = Statistics::new(&settings, &rendered);
+    statistics.denoiser = denoiser.map(|denoiser| denoiser.to_string());
     statistics.device = device.name();
     statistics.objects = project.scene.drawn_objects();
     statistics.triangles = scene.triangles();
@@ -108,6 +124,20 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
         statistics.write(path)?;
     }
     Ok(if arguments.quiet { String::new() } else { summary(&statistics, exposure, &output) })
+}
+
+/// The denoiser, if one is wanted; that there is none, or too little memory, is told before hours of work.
+fn open_denoiser(
+    arguments: &RenderArguments,
+    settings: &RenderSettings,
+    threads: Option<usize>,
+) -> Result<Option<Denoiser>, Failure> {
+    if !arguments.denoise {
+        return Ok(None);
+    }
+    let denoiser = Denoiser::open(threads)?;
+    render::check_denoised_size(settings)?;
+    Ok(Some(denoiser))
 }
 
 /// Progress as a share of the samples or of the time, whichever is known beforehand.
@@ -222,8 +252,12 @@ fn summary(statistics: &Statistics, exposure: Exposure, output: &Path) -> String
     let noise = statistics.noise.filter(|noise| noise.is_finite());
     let noise =
         noise.map_or(String::new(), |noise| format!(", estimated relative error {:.1} %", noise * 100.0));
+    let denoised = statistics.denoiser.as_ref().map_or(String::new(), |denoiser| {
+        let seconds = duration_text(statistics.seconds.denoise);
+        format!("denoised by {denoiser} in {seconds}: good to look at, but biased; do not measure in it\n")
+    });
     format!(
-        "{exposure}\nrendered in {} on {}, {} samples/s\n{} samples per pixel{noise}\nwrote {}\n",
+        "{exposure}\nrendered in {} on {}, {} samples/s\n{} samples per pixel{noise}\n{denoised}wrote {}\n",
         duration_text(seconds),
         statistics.device,
         count_text(rate),

@@ -26,7 +26,7 @@ pub struct Statistics {
     pub seed: u32,
     /// Samples per pixel that were taken on average.
     pub samples_per_pixel: f64,
-    /// Estimated relative error of the picture, where it was looked at.
+    /// Estimated relative error of the picture, where it was looked at; before it was denoised.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<f64>,
     /// Samples taken for the whole picture.
@@ -37,6 +37,9 @@ pub struct Statistics {
     pub objects: u64,
     /// Triangles of the scene.
     pub triangles: usize,
+    /// What removed the noise that was left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub denoiser: Option<String>,
     /// Stops that the picture was brightened by; missing for formats that keep the radiance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<f32>,
@@ -66,6 +69,7 @@ impl Statistics {
             rays: rendered.rays,
             objects: 0,
             triangles: 0,
+            denoiser: None,
             exposure: None,
             seconds: Seconds::default(),
             peak_memory_bytes: peak_memory_bytes(),
@@ -95,6 +99,8 @@ pub struct Seconds {
     pub upload: f64,
     /// Rendering.
     pub render: f64,
+    /// Removing noise.
+    pub denoise: f64,
     /// Writing the picture.
     pub write: f64,
 }
@@ -175,7 +181,7 @@ mod tests {
         let json = serde_json::to_value(&statistics).unwrap();
         assert!(json.get("peak_memory_bytes").is_none() && json.get("exposure").is_none());
         assert_eq!((json["width"].as_u64(), json["samples"].as_u64()), (Some(4), Some(0)));
-        for step in ["read", "compile", "upload", "render", "write"] {
+        for step in ["read", "compile", "upload", "render", "denoise", "write"] {
             assert!(json["seconds"][step].is_number(), "{step}");
         }
     }

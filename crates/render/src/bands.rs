@@ -1,5 +1,6 @@
 //! A picture band by band: rows are rendered, handed on and forgotten, so that memory does not grow with the picture.
 
+use crate::film::mean_radiance;
 use crate::passes::{StopRule, render_until};
 use crate::{Batch, LoadedScene, Progress, RenderError, RenderSettings, adaptive};
 use bytemuck::Zeroable;
@@ -16,6 +17,15 @@ pub struct Band<'a> {
     pub pixels: &'a [FilmPixel],
     /// As many, or none if no layers are wanted.
     pub layers: &'a [LayerPixel],
+    /// As many, or none: the radiance that is shown instead of the mean of the samples.
+    pub denoised: &'a [[f32; 3]],
+}
+
+impl Band<'_> {
+    /// Radiance of a pixel in W/(m² sr) as it is shown.
+    pub(crate) fn radiance(&self, pixel: usize) -> [f32; 3] {
+        self.denoised.get(pixel).copied().unwrap_or_else(|| mean_radiance(&self.pixels[pixel]))
+    }
 }
 
 /// How the samples are spread over the picture.
@@ -121,7 +131,7 @@ pub fn render_bands(
         statistics.samples += pixels.iter().map(|pixel| u64::from(pixel.samples)).sum::<u64>();
         statistics.rays += pixels.iter().map(|pixel| u64::from(pixel.rays)).sum::<u64>();
         statistics.black &= pixels.iter().all(|pixel| pixel.radiance.to_array() == [0.0; 3]);
-        sink(&Band { first_row, width: window.width, pixels, layers: &layers })?;
+        sink(&Band { first_row, width: window.width, pixels, layers: &layers, denoised: &[] })?;
     }
     Ok(statistics)
 }

@@ -8,6 +8,7 @@ pub mod adaptive;
 mod bands;
 mod compile;
 pub mod cpu;
+mod denoised;
 mod device;
 mod events;
 mod film;
@@ -20,6 +21,7 @@ mod sampling;
 
 pub use bands::{BAND_BYTES, Band, BandStatistics, Sampling, band_rows, render_bands};
 pub use compile::{Acceleration, CompileError, CompiledScene, compile, compile_with};
+pub use denoised::{DenoiseFunction, NoisyPicture, check_denoised_size, render_denoised};
 pub use device::{Batch, ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
 pub use events::pixel_events;
 pub use film::{Film, automatic_exposure};

@@ -8,6 +8,7 @@ mod whole_file;
 
 use crate::bands::Band;
 use crate::{DeviceError, Film};
+use std::error::Error;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -95,6 +96,22 @@ pub enum RenderError {
         /// What is accepted.
         limit: u64,
     },
+    /// Denoising takes too much memory.
+    #[error(
+        "denoising looks at the whole picture at once, which takes {:.1} GB of memory; at most {:.1} GB are taken: render \
+         a smaller picture, or one without --denoise, which is written part by part",
+        *.needed as f64 / 1e9,
+        *.limit as f64 / 1e9
+    )]
+    TooLargeToDenoise {
+        /// Bytes that the picture takes.
+        needed: u64,
+        /// What is accepted.
+        limit: u64,
+    },
+    /// The picture could not be denoised.
+    #[error("the picture could not be denoised")]
+    Denoise(#[source] Box<dyn Error + Send + Sync>),
 }
 
 /// Writes a film as the kind of image that the extension of `path` names. `exposure`, in stops, brightens a PNG;
@@ -113,7 +130,7 @@ pub fn write_picture(film: &Film, path: &Path, exposure: f32) -> Result<(), Rend
         layers: &Layers::default(),
         origins: &Origins::default(),
     };
-    let band = Band { first_row: 0, width: film.width, pixels: &film.pixels, layers: &[] };
+    let band = Band { first_row: 0, width: film.width, pixels: &film.pixels, layers: &[], denoised: &[] };
     stream_picture(&target, |sink| sink(&band)).map(|_| ())
 }
 

@@ -171,7 +171,7 @@ fn a_rendering_that_fails_leaves_no_file() {
             PictureTarget { path: &path, width: 8, height: 32, exposure, layers: &layers, origins: &origins };
         let result = stream_picture(&target, |sink| {
             let film = Film::new(8, 16);
-            sink(&Band { first_row: 0, width: 8, pixels: &film.pixels, layers: &[] })?;
+            sink(&Band { first_row: 0, width: 8, pixels: &film.pixels, layers: &[], denoised: &[] })?;
             Err(RenderError::Device(render::DeviceError::Cancelled))
         });
         assert!(matches!(result, Err(RenderError::Device(render::DeviceError::Cancelled))), "{name}");

@@ -2,7 +2,6 @@
 
 use super::layers::{Layers, Origins, block_bytes};
 use crate::bands::Band;
-use crate::film::mean_radiance;
 use exr::block::chunk::Chunk;
 use exr::block::writer::{ChunksWriter, write_chunks_with};
 use exr::block::{BlockIndex, UncompressedBlock};
@@ -17,10 +16,12 @@ use std::io::{self, Seek, Write};
 /// Takes bands.
 pub(super) type Sink<'a> = dyn FnMut(&Band<'_>) -> io::Result<()> + 'a;
 
-/// Writes 8-bit sRGB; `produce` shows the radiance of all pixels row by row.
+/// Writes 8-bit sRGB; `produce` shows the radiance of all pixels row by row. Of the layers, for which there is no
+/// place, only the name of the denoiser is kept.
 pub(super) fn png(
     (width, height): (u32, u32),
     exposure: f32,
+    layers: &Layers,
     file: impl Write,
     produce: impl FnOnce(&mut dyn FnMut([f32; 3]) -> io::Result<()>) -> io::Result<()>,
 ) -> io::Result<()> {
@@ -28,6 +29,9 @@ pub(super) fn png(
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    if let Some(denoiser) = layers.denoiser() {
+        encoder.add_text_chunk("Comment".to_owned(), format!("denoised by {denoiser}"))?;
+    }
     let mut writer = encoder.write_header()?;
     let mut stream = writer.stream_writer()?;
     produce(&mut |radiance| {
@@ -42,7 +46,7 @@ pub(super) fn png(
 
 /// Shows the radiance of a band's pixels.
 pub(super) fn radiances(band: &Band<'_>, see: &mut dyn FnMut([f32; 3]) -> io::Result<()>) -> io::Result<()> {
-    band.pixels.iter().try_for_each(|pixel| see(mean_radiance(pixel)))
+    (0..band.pixels.len()).try_for_each(|pixel| see(band.radiance(pixel)))
 }
 
 /// Scan lines of a compressed block.
@@ -69,6 +73,9 @@ pub(super) fn exr(
         && let Some(manifest) = origins.manifest()
     {
         header.own_attributes.other.insert(Text::from("objectTypes"), AttributeValue::Text(manifest));
+    }
+    if let Some(denoiser) = layers.denoiser().and_then(Text::new_or_none) {
+        header.own_attributes.other.insert(Text::from("denoised"), AttributeValue::Text(denoiser));
     }
     let mut failure = None;
     let written = write_chunks_with(file, [header].into_iter().collect(), true, |meta, chunks| {

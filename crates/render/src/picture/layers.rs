@@ -5,7 +5,7 @@ use crate::bands::Band;
 use crate::film::{mean_radiance, variance_of_mean};
 use bytemuck::Zeroable;
 use exr::prelude::{SampleType, Text};
-use kernels::records::kernel::{FilmPixel, LayerPixel};
+use kernels::records::kernel::LayerPixel;
 use std::str::FromStr;
 
 /// A layer of an EXR.
@@ -68,26 +68,43 @@ impl Layer {
     }
 }
 
-/// Which layers are wanted, each once.
+/// Which layers are wanted, each once, and by what the picture was denoised.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Layers(Vec<Layer>);
+pub struct Layers {
+    wanted: Vec<Layer>,
+    denoiser: Option<String>,
+}
 
 impl Layers {
-    /// Whether there are none.
+    /// Whether none are wanted.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.wanted.is_empty()
     }
 
     /// Whether any takes rays of its own.
     pub fn are_traced(&self) -> bool {
-        self.0.iter().any(|layer| layer.is_traced())
+        self.wanted.iter().any(|layer| layer.is_traced())
+    }
+
+    /// Those of a picture that was denoised: `noisy.R`, `noisy.G`, `noisy.B` hold the mean of the samples, which has
+    /// no bias, and the file names the denoiser.
+    pub fn denoised_by(self, denoiser: String) -> Self {
+        Layers { denoiser: Some(denoiser), ..self }
+    }
+
+    pub(super) fn denoiser(&self) -> Option<&str> {
+        self.denoiser.as_deref()
     }
 
     /// The channels of the picture and its layers, in the order of their names, as EXR wants it.
     pub(super) fn channels(&self) -> Vec<(&'static str, Quantity)> {
         let mut channels =
             vec![("B", Quantity::Radiance(2)), ("G", Quantity::Radiance(1)), ("R", Quantity::Radiance(0))];
-        channels.extend(self.0.iter().flat_map(|layer| layer.channels()));
+        channels.extend(self.wanted.iter().flat_map(|layer| layer.channels()));
+        if self.denoiser.is_some() {
+            let noisy = [("noisy.R", 0), ("noisy.G", 1), ("noisy.B", 2)];
+            channels.extend(noisy.map(|(name, channel)| (name, Quantity::Noisy(channel))));
+        }
         channels.sort_by_key(|(name, _)| *name);
         channels
     }
@@ -110,14 +127,17 @@ impl FromStr for Layers {
         }
         layers.sort_unstable();
         layers.dedup();
-        Ok(Layers(layers))
+        Ok(Layers { wanted: layers, denoiser: None })
     }
 }
 
 /// A number that a pixel has; the argument counts red, green, blue or x, y, z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Quantity {
+    /// As the picture is shown.
     Radiance(usize),
+    /// Before it was denoised.
+    Noisy(usize),
     Albedo(usize),
     Normal(usize),
     Depth,
@@ -137,11 +157,13 @@ impl Quantity {
         }
     }
 
-    /// The bytes of the number in a pixel.
-    fn bytes(self, film: &FilmPixel, layers: &LayerPixel, origins: &Origins) -> [u8; 4] {
+    /// The bytes of the number in a pixel of a band.
+    fn bytes(self, band: &Band<'_>, pixel: usize, layers: &LayerPixel, origins: &Origins) -> [u8; 4] {
+        let film = &band.pixels[pixel];
         let hits = layers.hits.max(1) as f32;
         match self {
-            Quantity::Radiance(c) => mean_radiance(film)[c].to_ne_bytes(),
+            Quantity::Radiance(c) => band.radiance(pixel)[c].to_ne_bytes(),
+            Quantity::Noisy(c) => mean_radiance(film)[c].to_ne_bytes(),
             Quantity::Variance(c) => variance_of_mean(film)[c].to_ne_bytes(),
             Quantity::Samples => film.samples.to_ne_bytes(),
             Quantity::Albedo(c) => (layers.albedo.to_array()[c] / layers.samples.max(1) as f32).to_ne_bytes(),
@@ -225,13 +247,10 @@ pub(super) fn block_bytes(
     let empty = LayerPixel::zeroed();
     let mut bytes = Vec::with_capacity(rows.len() * width * channels.len() * 4);
     for row in rows {
-        let range = row * width..(row + 1) * width;
-        let film = &band.pixels[range.clone()];
-        let layers = band.layers.get(range);
         for (_, quantity) in channels {
-            for (column, pixel) in film.iter().enumerate() {
-                let layers = layers.map_or(&empty, |layers| &layers[column]);
-                bytes.extend_from_slice(&quantity.bytes(pixel, layers, origins));
+            for pixel in row * width..(row + 1) * width {
+                let layers = band.layers.get(pixel).unwrap_or(&empty);
+                bytes.extend_from_slice(&quantity.bytes(band, pixel, layers, origins));
             }
         }
     }
@@ -245,13 +264,16 @@ mod tests {
     #[test]
     fn layers_are_named_and_listed_once() {
         let two: Layers = "depth, albedo,depth".parse().unwrap();
-        assert_eq!(two, Layers(vec![Layer::Albedo, Layer::Depth]));
+        assert_eq!(two.wanted, [Layer::Albedo, Layer::Depth]);
         let all: Layers = "all".parse().unwrap();
-        assert_eq!(all.0.len(), Layer::ALL.len());
+        assert_eq!(all.wanted.len(), Layer::ALL.len());
         assert!(all.are_traced() && !"samples,variance".parse::<Layers>().unwrap().are_traced());
         let message = "colour".parse::<Layers>().unwrap_err();
         assert!(message.contains("colour") && message.contains("albedo, normal"), "{message}");
         let names: Vec<_> = all.channels().iter().map(|(name, _)| *name).collect();
         assert!(names.is_sorted() && names.len() == 20, "{names:?}");
+        let denoised = Layers::default().denoised_by("a denoiser".to_owned());
+        let names: Vec<_> = denoised.channels().iter().map(|(name, _)| *name).collect();
+        assert_eq!(names, ["B", "G", "R", "noisy.B", "noisy.G", "noisy.R"]);
     }
 }

@@ -70,7 +70,7 @@ pub fn stream_picture(
             whole(&mut |file| encode::exr(size, to.layers, to.origins, file, &mut run)).map(|()| 0.0)
         }
         (PictureFormat::Png, Some(stops)) => whole(&mut |file| {
-            encode::png(size, stops, file, |see| run(&mut |band| encode::radiances(band, see)))
+            encode::png(size, stops, to.layers, file, |see| run(&mut |band| encode::radiances(band, see)))
         })
         .map(|()| stops),
         (PictureFormat::Png, None) => RadianceSpool::beside(to.path).and_then(|mut spool| {
@@ -81,7 +81,7 @@ pub fn stream_picture(
                     Ok(())
                 })
             })?;
-            whole(&mut |file| encode::png(size, stops, file, |see| spool.replay(see)))?;
+            whole(&mut |file| encode::png(size, stops, to.layers, file, |see| spool.replay(see)))?;
             Ok(stops)
         }),
     };
