@@ -5,6 +5,8 @@
 //! samples everywhere first; how many it takes on top is decided by the first samples of the *other* half. Within
 //! one half the number of samples is therefore independent of their values, its mean has no bias, and neither has
 //! the mean of the two halves, which have the same weight always.
+//!
+//! Sobol sequences are planned for the most samples that a pixel may get, as in `passes`.
 
 use crate::{Batch, DeviceError, Film, LoadedScene, Progress, RenderSettings};
 use kernels::records::kernel::FilmPixel;
@@ -32,7 +34,7 @@ pub fn render_adaptive(
     let first = ((per_half * FIRST_SHARE).round() as u32).max(2);
     let halves = [settings.seed, settings.seed ^ OTHER_HALF].map(|seed| RenderSettings {
         seed,
-        samples: first,
+        samples: (per_half * MOST) as u32,
         ..settings.clone()
     });
     let mut done = 0;

@@ -84,6 +84,15 @@ pub fn render_bands(
     progress: &Progress<'_>,
     sink: &mut dyn FnMut(&Band<'_>) -> Result<(), RenderError>,
 ) -> Result<BandStatistics, RenderError> {
+    let planned;
+    let settings = match sampling {
+        Sampling::Uniform | Sampling::Adaptive => settings,
+        // So that the layers are made of the same rays as the picture.
+        Sampling::Until(rule) => {
+            planned = rule.planned(settings);
+            &planned
+        }
+    };
     let film = match sampling {
         Sampling::Uniform => None,
         Sampling::Adaptive => {
@@ -103,10 +112,10 @@ pub fn render_bands(
         noise: film.as_ref().map(crate::relative_noise),
         ..BandStatistics::default()
     };
-    let mut done = 0;
     let mut own: Vec<FilmPixel> = Vec::new();
     let mut layers: Vec<LayerPixel> = Vec::new();
     for first_row in (0..window.height).step_by(rows.max(1) as usize) {
+        let done = statistics.samples;
         let batch = Batch { first_row, rows: rows.min(window.height - first_row), ..Batch::whole(settings) };
         let count = batch.pixels(settings);
         let pixels = match &film {
@@ -122,10 +131,10 @@ pub fn render_bands(
             layers.clear();
             layers.resize(count, LayerPixel::zeroed());
             let samples = mean_samples(pixels);
+            // Whether to stop is asked all the same.
             let still = |_| progress(done);
             scene.add_layers(settings, &Batch { samples, ..batch }, &mut layers, &still)?;
         }
-        done += count as u64 * u64::from(settings.samples);
         let taken = own.capacity() * size_of::<FilmPixel>() + layers.capacity() * size_of::<LayerPixel>();
         statistics.peak_bytes = statistics.peak_bytes.max(taken as u64);
         statistics.samples += pixels.iter().map(|pixel| u64::from(pixel.samples)).sum::<u64>();

@@ -220,6 +220,22 @@ fn noise_is_reached_and_not_far_undercut() {
 }
 
 #[test]
+fn an_open_number_of_samples_is_planned_for_the_most() {
+    // Whatever number is reached, by whatever passes, the samples are the first of one long sequence.
+    let most_samples = 4096;
+    let plain = settings(16, 12, 64, 3);
+    let rule = StopRule { time: None, noise: Some(0.06), most_samples };
+    let (film, _) = film_of(Sampling::Until(rule), &plain);
+    let samples = film.pixels[0].samples;
+    assert!(samples > 16 && samples < most_samples, "{samples}");
+    let planned = RenderSettings { samples: most_samples, ..plain };
+    let mut at_once = Film::new(16, 12);
+    let batch = Batch { samples, ..Batch::whole(&planned) };
+    load(&*cpu(1), &small_scene()).add_samples(&planned, &batch, &mut at_once.pixels, &go_on).unwrap();
+    assert_eq!(hash(&film), hash(&at_once));
+}
+
+#[test]
 fn the_estimated_noise_is_the_error_of_independent_samples() {
     // Against a picture with far less noise, over pixels whose error is estimated from 32 samples.
     let plain = RenderSettings { sampler: render::Sampler::Independent, ..settings(32, 24, 32, 3) };
