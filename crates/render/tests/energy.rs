@@ -5,6 +5,9 @@
 //! the scene sees inwards. Paths are 400 surfaces long: no surface gives back more than 0.8 of the light, so that
 //! less than 10⁻³⁸ is cut off.
 //!
+//! With ten times as many rays the sums are right to 0.2 %. The tests notice a fifth less light transmitted by leaves,
+//! a glossy lobe that is a tenth too weak, or found light weighted by 0.2 that should weigh nothing.
+//!
 //! Tolerances are four standard errors of the sums, from the scatter among batches of rays, and these errors are small.
 
 mod common;
@@ -15,7 +18,7 @@ use render::{RenderSettings, Sampler};
 use scene::{DAffine3, DVec3, Emission, LightKind, Rgb};
 use std::f64::consts::PI;
 
-const RAYS: usize = 400_000;
+const RAYS: usize = 600_000;
 
 fn long_paths(seed: u32) -> RenderSettings {
     RenderSettings { sampler: Sampler::Independent, seed, ..settings(1, 1, 1, 400) }
@@ -73,9 +76,11 @@ fn assert_balance(expected: Rgb, parts: &[Power], precision: f64) {
 
 #[test]
 fn a_closed_room_absorbs_what_its_lamp_emits() {
-    for (seed, exponent) in [(0, 0.0), (5000, 2.0)] {
+    // Most of the light falls on the walls: what they do shows most.
+    let plain = Finish::diffuse([0.5, 0.6, 0.3]);
+    for (seed, exponent, walls) in [(0, 0.0, plain), (5000, 2.0, glossy())] {
         let mut lab = Laboratory::new();
-        lab.room(DVec3::new(2.0, 2.0, 2.0), Finish::diffuse([0.5, 0.6, 0.3]));
+        lab.room(DVec3::new(2.0, 2.0, 2.0), walls);
         lab.lamp(1.85, lamp(exponent));
         furnish(&mut lab);
         let (absorbed, _) = lab.measure(&long_paths(seed), RAYS, None);
@@ -98,10 +103,10 @@ fn a_closed_room_absorbs_what_lights_without_a_body_emit() {
     lab.builder.light(LightKind::Point { power: point }, at(-0.3, -0.5, 1.5));
     let down = at(0.4, 0.1, 1.9) * DAffine3::from_rotation_x(PI - 0.3);
     lab.builder.light(LightKind::Spot { power: spot, inner_angle: 0.5, outer_angle: 0.8 }, down);
-    let (indirect, _) = lab.measure(&long_paths(1), RAYS, None);
+    let (indirect, _) = lab.measure(&long_paths(10_000), RAYS, None);
     let emitted: Rgb = std::array::from_fn(|c| point[c] + spot[c]);
     let direct = Power { watts: emitted.map(|watts| share * watts), ..Power::default() };
-    assert_balance(emitted, &[direct, indirect], 0.005);
+    assert_balance(emitted, &[direct, indirect], 0.003);
 }
 
 /// The same objects on a slab, below a lamp in empty space; all within a sphere of 1.85 m round the origin.
@@ -117,8 +122,8 @@ const SPHERE: f64 = 1.85;
 
 #[test]
 fn what_an_open_scene_does_not_absorb_escapes() {
-    let (absorbed, escaped) = open_scene().measure(&long_paths(2), RAYS, Some(SPHERE));
-    assert_balance(LAMP, &[absorbed, escaped], 0.008);
+    let (absorbed, escaped) = open_scene().measure(&long_paths(20_000), RAYS, Some(SPHERE));
+    assert_balance(LAMP, &[absorbed, escaped], 0.006);
 }
 
 #[test]
@@ -126,8 +131,8 @@ fn what_a_sky_sends_into_a_sphere_is_absorbed_or_leaves_it() {
     let mut lab = open_scene();
     let sky = [0.1, 0.2, 0.3];
     lab.builder.sky(sky);
-    let (absorbed, escaped) = lab.measure(&long_paths(3), RAYS, Some(SPHERE));
+    let (absorbed, escaped) = lab.measure(&long_paths(30_000), RAYS, Some(SPHERE));
     let entering = 4.0 * PI * SPHERE * SPHERE * PI;
     let expected = std::array::from_fn(|c| LAMP[c] + entering * sky[c]);
-    assert_balance(expected, &[absorbed, escaped], 0.008);
+    assert_balance(expected, &[absorbed, escaped], 0.006);
 }
