@@ -104,7 +104,7 @@ fn panel(out: &mut String, number: usize, name: &str, curves: &[Curve; 2]) {
         let end = (first / bottom).powf(-1.0 / power).min(right);
         let last = corner(end, first * end.powf(power));
         line(out, corner(1.0, first), last, "stroke=\"#777\" stroke-dasharray=\"4 3\"");
-        let (anchor, dx, dy) = if power > -0.6 { ("end", -4.0, -10.0) } else { ("end", -10.0, 2.0) };
+        let (anchor, dx, dy) = if power > -0.6 { ("end", -4.0, -26.0) } else { ("end", -10.0, 2.0) };
         text(out, (last.0 + dx, last.1 + dy), &format!("text-anchor=\"{anchor}\" fill=\"#555\""), label);
     }
     for (row, (curve, (color, sampler))) in
