@@ -35,7 +35,7 @@ cell() { # the picture of a project, made if it is missing, and its row of the t
   printf '# Gallery\n\nMade by `docs/gallery/make.sh`: every project of the corpus as it was saved, and the sample scenes of this\n'
   printf 'repository, path traced with %s samples a pixel; beside each what `sunshine info` says about it.\n' "$samples"
   printf 'A picture is black where the saved view shows nothing that is lit: the lamp of ShaderTest burns inside a closed black\n'
-  printf 'body, and the saved camera of Mangrove looks past its only tile.\n'
+  printf 'body, and the saved camera of Mangrove looks past its only tile.\n\nThe figures of the thesis are [here](thesis/README.md).\n'
   for part in "The corpus:$corpus" "Sample scenes:scenes"; do
     printf '\n## %s\n\n| picture | contents |\n| --- | --- |\n' "${part%%:*}"
     for project in "${part#*:}"/*; do
@@ -45,3 +45,5 @@ cell() { # the picture of a project, made if it is missing, and its row of the t
   done
 } > "$page.new"
 mv "$page.new" "$page"
+
+SUNSHINE=$sunshine docs/gallery/thesis.sh

@@ -313,6 +313,10 @@ pub struct ThesisArguments {
     #[arg(long)]
     pub quick: bool,
 
+    /// Instead of measuring, make the pictures of its figures, small and without noise, on the first device
+    #[arg(long)]
+    pub pictures: bool,
+
     /// Processor threads to use [default: all]
     #[arg(long, value_name = "N", value_parser = whole_number(1..=4096))]
     pub threads: Option<u32>,

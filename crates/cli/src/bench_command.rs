@@ -25,6 +25,9 @@ fn thesis_experiments(arguments: &ThesisArguments) -> Result<String, Failure> {
     };
     std::fs::create_dir_all(&folder).map_err(not_writable(&folder))?;
     let scale = if arguments.quick { Scale::Quick } else { Scale::Full };
+    if arguments.pictures {
+        return thesis_pictures(&machine, scale, &folder, messages);
+    }
     let mut text = format!("Experiments of the thesis of 2008 on {}\n", machine.name);
     for (name, device) in &machine.devices {
         let _ = writeln!(text, "{name}: {}", device.name());
@@ -38,6 +41,27 @@ fn thesis_experiments(arguments: &ThesisArguments) -> Result<String, Failure> {
     let report = folder.join("thesis.txt");
     write_file(&report, text.as_bytes())?;
     let _ = writeln!(text, "\nwrote {}", folder.display());
+    Ok(text)
+}
+
+/// Makes the pictures of the thesis and returns their list.
+fn thesis_pictures(
+    machine: &Machine,
+    scale: Scale,
+    folder: &Path,
+    messages: Messages,
+) -> Result<String, Failure> {
+    let mut text = String::new();
+    // There is always one.
+    for (_, device) in machine.devices.iter().take(1) {
+        for picture in thesis::pictures() {
+            messages.line(&format!("{} ...", picture.title));
+            let film = picture.render(device.as_ref(), scale)?;
+            let file = folder.join(format!("{}.png", picture.name));
+            write_picture(&film, &file, automatic_exposure(&film))?;
+            let _ = writeln!(text, "{}: {}, {}", file.display(), picture.figure, picture.title);
+        }
+    }
     Ok(text)
 }
 

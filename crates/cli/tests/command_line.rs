@@ -397,3 +397,18 @@ fn the_experiments_of_the_thesis_leave_tables_curves_and_pictures() {
         assert!(out.join(file).metadata().unwrap().len() > 100, "{file}");
     }
 }
+
+#[test]
+fn the_pictures_of_the_thesis_are_made_without_measuring() {
+    let directory = empty_directory();
+    let words = ["bench", "thesis", "--pictures", "--quick", "--device", "cpu", "-o", "out"];
+    let output = sunshine(directory.path(), &words);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    for (figure, file) in
+        [("5.1a", "cylinder-a.png"), ("5.8", "noise-sobol.png"), ("table 5.2", "bush-841.png")]
+    {
+        assert!(text(&output.stdout).contains(figure), "{}", text(&output.stdout));
+        assert!(directory.path().join("out").join(file).metadata().unwrap().len() > 100, "{file}");
+    }
+    assert!(!directory.path().join("out").join("thesis.txt").exists());
+}

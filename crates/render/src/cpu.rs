@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// The processor of this machine.
 pub struct Cpu {
-    threads: Arc<rayon::ThreadPool>,
+    pub(crate) threads: Arc<rayon::ThreadPool>,
 }
 
 impl Cpu {

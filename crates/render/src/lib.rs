@@ -16,6 +16,7 @@ pub mod gpu;
 mod open;
 mod passes;
 mod picture;
+mod rays;
 mod renderer;
 mod sampling;
 
@@ -32,5 +33,6 @@ pub use picture::{
     BandSink, Layer, Layers, Origins, PictureError, PictureFormat, PictureTarget, RenderError,
     check_writable, stream_picture, write_picture, write_whole_file,
 };
+pub use rays::WorldRay;
 pub use renderer::Renderer;
 pub use sampling::{CropWindow, Filter, Sampler};

@@ -17,7 +17,7 @@ const LEAST_RADIUS: f64 = 0.0012;
 const LEAF_LENGTH: f64 = 0.30;
 const LEAF_FACTOR: f64 = 0.88;
 /// Edge of the picture on the leaves in pixels.
-const LEAF_PIXELS: u32 = 128;
+const LEAF_PIXELS: u32 = 256;
 
 /// Numbers that the growth draws.
 struct Draw(JavaRandom);

@@ -6,6 +6,7 @@
 mod bush;
 mod experiments;
 mod measure;
+mod pictures;
 mod plot;
 mod reference;
 mod scenes;
@@ -13,6 +14,7 @@ mod table;
 
 pub use experiments::{Experiment, Outcome, all};
 pub use measure::{ExperimentError, Machine, Scale};
+pub use pictures::{Picture, pictures};
 pub use plot::{Plot, PlotError};
 pub use scenes::{ThesisScene, scene};
 pub use table::Table;

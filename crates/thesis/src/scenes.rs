@@ -145,7 +145,7 @@ fn cornell_box(scene: &mut Scene) {
     let lamp = rectangle(scene, DVec3::new(0.0, 0.0, 1.99), (0.5, 0.4), black);
     scene.objects[lamp].emission =
         Some(Emission { power: [20.0, 17.0, 12.0], exponent: 0.0, shadowless: false });
-    look(scene, [0.0, -4.6, 1.0], [0.0, 0.0, 1.0], 35.0);
+    look(scene, [0.0, -4.6, 1.0], [0.0, 0.0, 1.0], 48.0);
 }
 
 fn bush(scene: &mut Scene, steps: i32) {

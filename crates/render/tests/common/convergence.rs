@@ -3,20 +3,48 @@
 use super::garden::garden;
 use super::{Builder, at, go_on, settings};
 use rayon::prelude::*;
-use render::{CropWindow, DeviceChoice, Film, LoadedScene, RenderSettings, Sampler, compile, open_device};
+use render::{CropWindow, DeviceChoice, LoadedScene, RenderSettings, Sampler, compile, open_device};
 use scene::{DVec3, Emission, Scene, Shape};
 use std::sync::Arc;
 
 /// Samples per pixel: over four decades.
 pub const SAMPLES: [u32; 8] = [1, 4, 16, 64, 256, 1024, 4096, 16384];
-/// Width and height of the pictures in pixels. Only every 32nd pixel in both directions is looked at: as large as
-/// those of an ordinary picture, and yet few.
-const EDGE: u32 = 96;
-const STEP: u32 = 32;
+/// Which pixels are looked at, and how often.
+#[derive(Clone, Copy)]
+pub struct Study {
+    /// Width and height of the pictures in pixels.
+    pub edge: u32,
+    /// Only every so many-th pixel in both directions is rendered; 1 for whole pictures.
+    pub step: u32,
+    /// Pictures of every kind, each with its own seed.
+    pub seeds: u32,
+    /// The pixels of a picture are shared out, in rows, among so many parts whose errors are taken apart.
+    pub parts: usize,
+}
+
+impl Study {
+    /// Few pixels of an ordinary picture.
+    pub const SHORT: Study = Study { edge: 96, step: 32, seeds: 4, parts: 1 };
+
+    fn pixels(self) -> u32 {
+        (self.edge / self.step).pow(2)
+    }
+
+    /// What is rendered of the picture.
+    fn windows(self) -> Vec<Option<CropWindow>> {
+        if self.step == 1 {
+            return vec![None];
+        }
+        let columns = self.edge / self.step;
+        let at = |number| number * self.step + self.step / 2;
+        let pixel = |i| CropWindow { x: at(i % columns), y: at(i / columns), width: 1, height: 1 };
+        (0..self.pixels()).map(|i| Some(pixel(i))).collect()
+    }
+}
 
 /// The scenes: name, what it shows, depth of the paths.
 pub fn scenes() -> [(&'static str, Scene, u32); 3] {
-    [("soft shadow", soft_shadow(), 1), ("box", closed_box(), 4), ("foliage", garden(), 4)]
+    [("soft shadow", soft_shadow(), 1), ("room", room(), 4), ("foliage", garden(), 4)]
 }
 
 /// The shadow of a square in the light of a square lamp.
@@ -33,7 +61,7 @@ fn soft_shadow() -> Scene {
 }
 
 /// A room with coloured walls, two blocks and a lamp under the ceiling, open towards the camera.
-fn closed_box() -> Scene {
+fn room() -> Scene {
     let mut b = Builder::new();
     let white = b.diffuse([0.7; 3]);
     let red = b.diffuse([0.6, 0.1, 0.1]);
@@ -59,21 +87,21 @@ fn closed_box() -> Scene {
 
 /// What was measured for one scene and one sampler.
 pub struct Curve {
-    /// For every seed the error at each of [`SAMPLES`]: root mean square over pixels and channels, relative to the
-    /// picture's mean.
+    /// For every part of every picture the error at each of [`SAMPLES`]: root mean square over pixels and channels,
+    /// relative to the picture's mean.
     pub errors: Vec<Vec<f64>>,
     /// Mean of the picture with most samples for every seed.
     pub means: Vec<f64>,
 }
 
 impl Curve {
-    /// Root mean square of the errors of all seeds.
+    /// Root mean square of the errors of all parts.
     pub fn error(&self, step: usize) -> f64 {
         let sum: f64 = self.errors.iter().map(|errors| errors[step].powi(2)).sum();
         (sum / self.errors.len() as f64).sqrt()
     }
 
-    /// The exponent with which errors fall, from the step `first` on: mean over the seeds and its standard error.
+    /// The exponent with which errors fall, from the step `first` on: mean over the parts and its standard error.
     pub fn slope(&self, first: usize) -> (f64, f64) {
         let slopes: Vec<f64> = self.errors.iter().map(|errors| slope(&errors[first..])).collect();
         mean_and_standard_error(&slopes)
@@ -98,63 +126,73 @@ fn slope(errors: &[f64]) -> f64 {
     covariance / variance / 4f64.ln()
 }
 
-fn values(film: &Film) -> Vec<f64> {
-    film.radiances().flatten().map(f64::from).collect()
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Measures both samplers, the independent one first, against the mean of as many Sobol pictures with most samples
-/// and other seeds: its own error adds a tenth to that of the last Sobol picture.
-pub fn measure(scene: &Scene, depth: u32, steps: usize, seeds: u32) -> [Curve; 2] {
+/// Measures both samplers, the independent one first.
+///
+/// There are two references r and s, each the mean of as many Sobol pictures with most samples as the study has seeds,
+/// all with seeds of their own. The square error of a picture a is estimated as (a - r)(a - s): its expected value is
+/// the variance of a alone, because a, r and s are independent, so the noise of the references does not bend the curve
+/// even where the picture is as good as they are.
+pub fn measure(scene: &Scene, depth: u32, study: Study) -> [Curve; 2] {
     let compiled = Arc::new(compile(scene).unwrap());
-    // Single pixels leave nothing to share out: the seeds are spread over the threads instead.
-    let load = || open_device(DeviceChoice::Cpu, Some(1)).unwrap().load(Arc::clone(&compiled)).unwrap();
-    let render = |loaded: &dyn LoadedScene, sampler, samples, seed| {
-        let pixels = (0..EDGE * EDGE / (STEP * STEP)).flat_map(|i| {
-            let (column, row) = (i % (EDGE / STEP), i / (EDGE / STEP));
-            let at = |number| number * STEP + STEP / 2;
-            let crop = Some(CropWindow { x: at(column), y: at(row), width: 1, height: 1 });
-            let settings =
-                RenderSettings { sampler, seed, crop, grid: 1, ..settings(EDGE, EDGE, samples, depth) };
-            values(&loaded.render(&settings, &go_on).unwrap())
+    // Single pixels leave nothing to share out among threads: there the seeds are spread over them instead.
+    let threads = if study.step == 1 { None } else { Some(1) };
+    let load = || open_device(DeviceChoice::Cpu, threads).unwrap().load(Arc::clone(&compiled)).unwrap();
+    let render = |loaded: &dyn LoadedScene, sampler, samples, seed| -> Vec<f64> {
+        let values = study.windows().into_iter().flat_map(|crop| {
+            let plain = settings(study.edge, study.edge, samples, depth);
+            let settings = RenderSettings { sampler, seed, crop, grid: 1, ..plain };
+            let film = loaded.render(&settings, &go_on).unwrap();
+            film.radiances().flatten().map(f64::from).collect::<Vec<_>>()
         });
-        pixels.collect::<Vec<f64>>()
+        values.collect()
     };
-    let mean = |picture: &[f64]| picture.iter().sum::<f64>() / picture.len() as f64;
-    let most = SAMPLES[steps - 1];
-    let references: Vec<Vec<f64>> = (0..seeds)
+    let most = SAMPLES[SAMPLES.len() - 1];
+    let pictures: Vec<Vec<f64>> = (0..2 * study.seeds)
         .into_par_iter()
         .map(|seed| render(&*load(), Sampler::Sobol, most, 1_000_000 + seed))
         .collect();
-    let reference: Vec<f64> = (0..references[0].len())
-        .map(|i| references.iter().map(|picture| picture[i]).sum::<f64>() / f64::from(seeds))
-        .collect();
-    let level = mean(&reference);
-    let square_error = |picture: &[f64]| {
-        let squares: Vec<f64> = picture.iter().zip(&reference).map(|(a, b)| (a - b).powi(2)).collect();
-        mean(&squares) / (level * level)
+    let reference = |first: u32| -> Vec<f64> {
+        let own = || pictures.iter().skip(first as usize).step_by(2);
+        (0..pictures[0].len()).map(|i| mean(&own().map(|picture| picture[i]).collect::<Vec<_>>())).collect()
+    };
+    let references = [reference(0), reference(1)];
+    let level = 0.5 * (mean(&references[0]) + mean(&references[1]));
+    let square_errors = |picture: &[f64]| -> Vec<f64> {
+        let squares: Vec<f64> = (0..picture.len())
+            .map(|i| (picture[i] - references[0][i]) * (picture[i] - references[1][i]) / (level * level))
+            .collect();
+        squares.chunks(squares.len() / study.parts).map(mean).collect()
     };
     [Sampler::Independent, Sampler::Sobol].map(|sampler| {
-        let runs: Vec<(Vec<f64>, f64)> = (0..seeds)
+        let runs: Vec<(Vec<Vec<f64>>, f64)> = (0..study.seeds)
             .into_par_iter()
             .map(|seed| {
                 let loaded = load();
                 let mut last = 0.0;
-                let errors = SAMPLES[..steps].iter().map(|&samples| {
+                let mut errors = vec![Vec::new(); study.parts];
+                for samples in SAMPLES {
                     // Rare bright samples are often missed by few: small pictures are made several times.
-                    let repetitions = (256 / samples).max(1);
-                    let squares: Vec<f64> = (0..repetitions)
-                        .map(|repetition| {
-                            let picture = render(&*loaded, sampler, samples, seed + seeds * repetition);
-                            last = mean(&picture);
-                            square_error(&picture)
-                        })
-                        .collect();
-                    mean(&squares).sqrt()
-                });
-                (errors.collect(), last)
+                    let repetitions = (2304 / (samples * study.pixels())).clamp(1, 256);
+                    let mut sums = vec![0.0; study.parts];
+                    for repetition in 0..repetitions {
+                        let picture = render(&*loaded, sampler, samples, seed + study.seeds * repetition);
+                        last = mean(&picture);
+                        for (sum, square) in sums.iter_mut().zip(square_errors(&picture)) {
+                            *sum += square;
+                        }
+                    }
+                    for (errors, sum) in errors.iter_mut().zip(sums) {
+                        errors.push((sum / f64::from(repetitions)).sqrt());
+                    }
+                }
+                (errors, last)
             })
             .collect();
-        let (errors, means) = runs.into_iter().unzip();
-        Curve { errors, means }
+        let (errors, means): (Vec<Vec<Vec<f64>>>, Vec<f64>) = runs.into_iter().unzip();
+        Curve { errors: errors.concat(), means }
     })
 }

@@ -5,6 +5,7 @@
 pub mod access;
 pub mod convergence;
 pub mod garden;
+pub mod laboratory;
 
 use render::gpu::Gpu;
 use render::{
