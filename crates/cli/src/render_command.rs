@@ -47,8 +47,7 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
         layers = layers.denoised_by(denoiser.to_string());
     }
     // A device that is not there is told before a large scene is read.
-    let device =
-        timed(&mut seconds.open, || render::open_device_for(arguments.device, threads, settings.renderer))?;
+    let device = timed(&mut seconds.open, || render::open_device(arguments.device, threads))?;
     let mut project =
         timed(&mut seconds.read, || groimp::read_with(&arguments.scene, &arguments.read_options()))
             .map_err(Failure::reading(&arguments.scene))?;
@@ -56,7 +55,9 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     arguments.camera.apply(&mut project.scene)?;
     let scene =
         Arc::new(timed(&mut seconds.compile, || render::compile_with(&project.scene, arguments.accel))?);
-    let loaded = timed(&mut seconds.upload, || device.load(Arc::clone(&scene)))?;
+    let render::ReadyDevice { device, scene: loaded } = timed(&mut seconds.upload, || {
+        render::load_for(device, arguments.device, threads, &scene, settings.renderer)
+    })?;
 
     let progress = Follower::new(arguments, &settings, messages);
     let origins = Origins::of(&scene);
@@ -298,7 +299,8 @@ fn default_output(scene: &Path) -> PathBuf {
     name.into()
 }
 
-fn scene_name(scene: &Path) -> Option<std::ffi::OsString> {
+/// What a scene is called, from the name of its file or folder.
+pub fn scene_name(scene: &Path) -> Option<std::ffi::OsString> {
     if scene.is_dir() {
         // `.` and `..` have a name only when they are looked up.
         return Some(scene.canonicalize().ok()?.file_name()?.to_owned());

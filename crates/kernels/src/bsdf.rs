@@ -122,6 +122,16 @@ pub mod kernel {
         vec4f(0.0, 0.0, 0.0, 1.0)
     }
 
+    /// Whether a material is nothing but Lambertian reflection and transmission.
+    pub fn is_lambertian<S: SceneAccess + Copy>(scene: S, material: MaterialRecord) -> bool {
+        !has::<S>(scene, FEATURE_LOBES) || (material.flags & MATERIAL_LAMBERTIAN) != 0u32
+    }
+
+    /// Channels that decide what passes a surface undisturbed: those of Lambertian ones have no transparency.
+    pub fn passing_channels<S: SceneAccess + Copy>(scene: S, material: MaterialRecord) -> u32 {
+        select(PASSING_CHANNELS, 1u32, is_lambertian::<S>(scene, material))
+    }
+
     /// The part of the transparency `tau` that is undisturbed passage. A sharp transmission lobe without refraction
     /// is such a passage; of a blurred one only the cut-out is.
     pub fn undisturbed_part(material: MaterialRecord, tau: Vec3f, alpha: f32) -> Vec3f {
@@ -140,14 +150,14 @@ pub mod kernel {
         at: TexturePoint,
         through_bodies: bool,
     ) -> Vec3f {
-        if material.refractive_index > 0.0 && !through_bodies {
+        if has::<S>(scene, FEATURE_MEDIA) && material.refractive_index > 0.0 && !through_bodies {
             return vec3f(0.0, 0.0, 0.0);
         }
         // A loop, so that graphics cards hold the interpreter of channels once.
         let zero = vec4f(0.0, 0.0, 0.0, 0.0);
         let mut values: [Vec4f; 2] = [zero, zero];
         #[wgsl_allow(non_literal_loop_bounds)]
-        for i in 0..PASSING_CHANNELS {
+        for i in 0..passing_channels::<S>(scene, material) {
             let channel = material_channel(material, i);
             values[i as usize] = channel_value::<S>(scene, channel, at, missing_channel(i));
         }
@@ -170,10 +180,29 @@ pub mod kernel {
     /// The material of one side of a surface.
     pub fn sided_material<S: SceneAccess + Copy>(scene: S, index: u32, front: bool) -> MaterialRecord {
         let material = S::material(scene, index);
-        if front || material.back == NONE {
+        if !has::<S>(scene, FEATURE_BACKS) || front || material.back == NONE {
             return material;
         }
         S::material(scene, material.back)
+    }
+
+    /// The scattering function of a surface that is nothing but Lambertian; no more light leaves than arrives.
+    pub fn lambertian_bsdf(reflected: Vec3f, transmitted: Vec3f) -> Bsdf {
+        let zero = vec3f(0.0, 0.0, 0.0);
+        let diffuse = max(reflected, zero);
+        let diffuse_transmission = max(transmitted, zero);
+        let scale = 1.0 / max(largest(diffuse + diffuse_transmission), 1.0);
+        Bsdf {
+            diffuse: diffuse * scale,
+            diffuse_transmission: diffuse_transmission * scale,
+            glossy: zero,
+            exponent: MIRROR_EXPONENT,
+            glossy_transmission: zero,
+            transmission_exponent: MIRROR_EXPONENT,
+            straight: zero,
+            emissive: zero,
+            eta: 1.0,
+        }
     }
 
     /// The scattering function at a point, given that the ray met the surface (see `surface_opacity`). `eta` is the
@@ -185,14 +214,25 @@ pub mod kernel {
         eta: f32,
         cosine: f32,
     ) -> Bsdf {
+        if (material.flags & MATERIAL_UNIFORM) != 0u32 {
+            return lambertian_bsdf(material.diffuse_color, material.transmitted_color);
+        }
         let none = vec4f(0.0, 0.0, 0.0, 0.0);
         let mut values: [Vec4f; 7] = [none, none, none, none, none, none, none];
+        // Of Lambertian surfaces only the channels 0 and 3 count.
+        let lambertian = is_lambertian::<S>(scene, material);
+        let step = select(1u32, 3u32, lambertian);
         #[wgsl_allow(non_literal_loop_bounds)]
-        for i in 0..MATERIAL_CHANNELS {
-            let channel = material_channel(material, i);
-            values[i as usize] = channel_value::<S>(scene, channel, at, missing_channel(i));
+        for i in 0..select(MATERIAL_CHANNELS, 2u32, lambertian) {
+            let number = i * step;
+            let channel = material_channel(material, number);
+            values[number as usize] = channel_value::<S>(scene, channel, at, missing_channel(number));
         }
         let c_d = values[0];
+        if lambertian {
+            let transmitted = vec3f(values[3].x, values[3].y, values[3].z);
+            return lambertian_bsdf(vec3f(c_d.x, c_d.y, c_d.z), transmitted);
+        }
         let tau = clear_transmission(material, values[1], c_d.w);
         let c_s = values[2];
         let c_dt = values[3];

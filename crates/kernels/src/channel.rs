@@ -52,13 +52,13 @@ pub mod kernel {
             return missing;
         }
         let channel = S::channel(scene, index);
-        if channel.operation == CHANNEL_IMAGE {
+        if has::<S>(scene, FEATURE_IMAGES) && channel.operation == CHANNEL_IMAGE {
             return image_color::<S>(scene, channel, at.uv);
         }
-        if channel.operation == CHANNEL_CONSTANT {
-            return channel.value;
+        if has::<S>(scene, FEATURE_PROGRAMS) && channel.operation != CHANNEL_CONSTANT {
+            return run_channel::<S>(scene, index, at);
         }
-        run_channel::<S>(scene, index, at)
+        channel.value
     }
 
     /// The registers at the start of a program for the surface point moved by `shift`, in u, v, w and x, y, z alike.

@@ -24,7 +24,7 @@ pub mod kernel {
     /// The point of the unit shape that a world-space ray hit.
     pub fn hit_unit_point<S: SceneAccess + Copy>(scene: S, ray: Ray, hit: Hit) -> Vec3f {
         let mut local = ray;
-        if hit.instance != NONE {
+        if has::<S>(scene, 1u32 << SHAPE_INSTANCE) && hit.instance != NONE {
             local = transform_ray(S::shape(scene, hit.instance).object_from_world, ray);
         }
         hit_point(S::shape(scene, hit.object), local, hit.shape)
@@ -34,7 +34,7 @@ pub mod kernel {
     pub fn hit_surface<S: SceneAccess + Copy>(scene: S, ray: Ray, hit: Hit) -> SurfacePoint {
         let mut shape = S::shape(scene, hit.object);
         let mut surface = S::surface(scene, hit.object);
-        if hit.instance == NONE {
+        if !has::<S>(scene, 1u32 << SHAPE_INSTANCE) || hit.instance == NONE {
             let flat_point = surface_point(shape, surface, ray, hit.shape);
             let normal = attribute_normal::<S>(scene, shape, surface, flat_point);
             return with_attributes::<S>(scene, shape, surface, flat_point, normal);

@@ -49,7 +49,9 @@ pub mod kernel {
         let front = dot(point.normal, wo) >= 0.0;
         let material = sided_material::<S>(scene, shape.material, front);
         let mut at = uv_point(point.uv);
-        if (material.flags & MATERIAL_USES_POSITION) != 0u32 || material.normal_map != NONE {
+        let looks_at_position =
+            (material.flags & MATERIAL_USES_POSITION) != 0u32 || material.normal_map != NONE;
+        if has::<S>(scene, FEATURE_POSITIONS) && looks_at_position {
             let p = hit_unit_point::<S>(scene, ray, hit);
             at = texture_point::<S>(scene, hit.instance, shape, surface, material, p, point.uv);
             point = with_normal_maps::<S>(scene, hit, material, p, at, point);

@@ -13,6 +13,7 @@
 
 pub mod bsdf;
 pub mod bump;
+pub mod bvh;
 pub mod camera;
 pub mod channel;
 pub mod coordinates;

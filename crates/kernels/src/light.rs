@@ -160,12 +160,13 @@ pub mod kernel {
         both_sides: bool,
         u: Vec2f,
     ) -> LightSample {
-        if light.kind == LIGHT_SKY_MAP || light.kind == LIGHT_DAYLIGHT {
+        let tables = has::<S>(scene, FEATURE_LIGHT_TABLES);
+        if tables && (light.kind == LIGHT_SKY_MAP || light.kind == LIGHT_DAYLIGHT) {
             let sky = sample_table::<S>(scene, light, u);
             return from_sky(sky, distant_radiance::<S>(scene, light, sky.direction));
         }
         let mut sample = sample_plain_light(light, point, normal, both_sides, u);
-        if light.kind == LIGHT_PHYSICAL {
+        if tables && light.kind == LIGHT_PHYSICAL {
             sample.weight *= distribution_density::<S>(scene, light, -sample.direction);
         }
         sample

@@ -107,7 +107,7 @@ pub mod kernel {
             choice.probability = max(choice.probability * (chosen / sum), 1.0e-30);
             left = clamp(offset / chosen, 0.0, 0.99999994);
             let light = S::light(scene, choice.index);
-            descending = light.kind == LIGHT_GROUP;
+            descending = has::<S>(scene, FEATURE_LIGHT_GROUPS) && light.kind == LIGHT_GROUP;
             first = light.first;
             count = light.count;
             if descending {
@@ -124,12 +124,12 @@ pub mod kernel {
         while at != NONE {
             let light = S::light(scene, at);
             let mut sum = total;
-            if light.parent != NONE {
+            if has::<S>(scene, FEATURE_LIGHT_GROUPS) && light.parent != NONE {
                 let group = S::light(scene, light.parent);
                 sum = sum_of_importances::<S>(scene, group.first, group.count, point);
             }
             probability *= light_importance(light, point) / max(sum, 1.0e-30);
-            at = light.parent;
+            at = select(NONE, light.parent, has::<S>(scene, FEATURE_LIGHT_GROUPS));
         }
         probability
     }

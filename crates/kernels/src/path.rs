@@ -110,7 +110,17 @@ pub mod kernel {
         radiance * found_light_weight(previous, area_pdf(light, dot(way, way), cos_light) * choice)
     }
 
-    /// Light that one sampled lamp sends along `wo`, shadow ray included.
+    /// Light of one lamp at a surface point, before anything in its way was looked for.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct DirectLight {
+        /// What is scattered of it, in W/(m² sr).
+        pub radiance: Vec3f,
+        /// How far the shadow ray reaches; 0 if none is needed.
+        pub end: f32,
+        pub ray: Ray,
+    }
+
+    /// Light that one sampled lamp sends along `wo`.
     pub fn direct_light<S: SceneAccess + Copy>(
         scene: S,
         point: SurfacePoint,
@@ -119,8 +129,9 @@ pub mod kernel {
         wo: Vec3f,
         importance: f32,
         u: Vec3f,
-    ) -> PathSample {
-        let mut result = PathSample { radiance: vec3f(0.0, 0.0, 0.0), rays: 0 };
+    ) -> DirectLight {
+        let nowhere = Ray { origin: point.position, direction: normal };
+        let mut result = DirectLight { radiance: vec3f(0.0, 0.0, 0.0), end: 0.0, ray: nowhere };
         let choice = choose_light::<S>(scene, point.position, importance, u.x);
         if choice.index == NONE {
             return result;
@@ -139,18 +150,13 @@ pub mod kernel {
         }
         result.radiance = value * weight;
         if light.shadowless == 0u32 {
-            let ray = Ray { origin: offset_origin(point, sample.direction), direction: sample.direction };
-            let mut t_max = NO_HIT;
-            if sample.distance < NO_HIT {
-                t_max = sample.distance * SHADOW_END;
-            }
-            result.radiance *= transmittance::<S>(scene, ray, t_max);
-            result.rays = 1;
+            result.ray = Ray { origin: offset_origin(point, sample.direction), direction: sample.direction };
+            result.end = select(NO_HIT, sample.distance * SHADOW_END, sample.distance < NO_HIT);
         }
         result
     }
 
-    /// A path under way: its next ray and what was collected so far.
+    /// A path under way: its next rays and what was collected so far.
     #[derive(Copy, Clone, Debug, Wgsl)]
     pub struct PathState {
         /// In W/(m² sr) per channel.
@@ -161,8 +167,9 @@ pub mod kernel {
         pub throughput: Vec3f,
         /// Surfaces touched.
         pub touched: u32,
-        /// The next ray, if the path goes on.
+        /// The next ray, if the path is followed further.
         pub ray: Ray,
+        pub follows: bool,
         /// Number of the next ray.
         pub segment: u32,
         pub media: Media,
@@ -171,6 +178,12 @@ pub mod kernel {
         pub event: u32,
         /// Part of the radiance that was sampled from a light at the end of the last ray.
         pub direct: Vec3f,
+        /// The shadow ray that is traced before, if it has a length.
+        pub shadow: Ray,
+        pub shadow_end: f32,
+        /// What arrives along the shadow ray if nothing is in its way.
+        pub shadow_light: Vec3f,
+        /// Whether any ray is left to trace.
         pub goes_on: bool,
     }
 
@@ -189,6 +202,7 @@ pub mod kernel {
             throughput: vec3f(1.0, 1.0, 1.0),
             touched: 0,
             ray: first,
+            follows: true,
             segment: 0,
             media: empty_space(),
             previous: PathVertex {
@@ -200,11 +214,18 @@ pub mod kernel {
             },
             event: EVENT_STARTED,
             direct: vec3f(0.0, 0.0, 0.0),
+            shadow: first,
+            shadow_end: 0.0,
+            shadow_light: vec3f(0.0, 0.0, 0.0),
             goes_on: true,
         }
     }
 
-    /// Follows a path over its next ray; it touches at most `depth` surfaces and may then still find a light.
+    /// Traces the next ray of a path, and its shadow ray, too, if the scene is small; the path touches at most
+    /// `depth` surfaces and may then still find a light.
+    ///
+    /// In large scenes one ray at a time, whatever it is for: so neighbouring threads of a graphics card, of which
+    /// some need no shadow ray, do not wait for each other.
     pub fn extend_path<S: SceneAccess + Copy>(
         scene: S,
         key: SampleKey,
@@ -212,14 +233,59 @@ pub mod kernel {
         background: Vec3f,
         before: PathState,
     ) -> PathState {
+        if has::<S>(scene, FEATURE_MANY_NODES) {
+            let is_shadow = before.shadow_end > 0.0;
+            let mut ray = before.ray;
+            let mut t_max = NO_HIT;
+            if is_shadow {
+                ray = before.shadow;
+                t_max = before.shadow_end;
+            }
+            let purpose = select(SEARCH_HIT, SEARCH_LIGHT, is_shadow);
+            let quest = Quest { purpose, key, segment: before.segment };
+            let found = search::<S>(scene, ray, t_max, quest);
+            if is_shadow {
+                return receive_light(before, found.passed);
+            }
+            return meet_surface::<S>(scene, key, depth, background, before, found.hit);
+        }
+        let hit = closest_hit::<S>(scene, before.ray, key, before.segment);
+        let path = meet_surface::<S>(scene, key, depth, background, before, hit);
+        if path.shadow_end > 0.0 {
+            let found = search::<S>(scene, path.shadow, path.shadow_end, light_quest(SEARCH_LIGHT));
+            return receive_light(path, found.passed);
+        }
+        path
+    }
+
+    /// A path with the light that arrives along its shadow ray.
+    pub fn receive_light(before: PathState, passed: Vec3f) -> PathState {
         let mut path = before;
+        path.rays += 1;
+        path.direct = path.shadow_light * passed;
+        path.radiance += path.direct;
+        path.shadow_end = 0.0;
+        path.goes_on = path.follows;
+        path
+    }
+
+    /// What becomes of a path where its ray meets a surface or the sky.
+    pub fn meet_surface<S: SceneAccess + Copy>(
+        scene: S,
+        key: SampleKey,
+        depth: u32,
+        background: Vec3f,
+        before: PathState,
+        hit: Hit,
+    ) -> PathState {
+        let mut path = before;
+        path.rays += 1;
         let ray = before.ray;
         path.direct = vec3f(0.0, 0.0, 0.0);
+        path.follows = false;
         path.goes_on = false;
 
         // The next surface, or the sky.
-        let hit = closest_hit::<S>(scene, ray, key, path.segment);
-        path.rays += 1;
         if hit.object == NONE {
             path.radiance += path.throughput * escaped_radiance::<S>(scene, path.previous, ray.direction);
             // The background is seen by the eye and in ideal mirrors, it is no light.
@@ -237,7 +303,9 @@ pub mod kernel {
         let front = cos_front >= 0.0;
         let material = sided_material::<S>(scene, shape.material, front);
         let mut at = uv_point(point.uv);
-        if (material.flags & MATERIAL_USES_POSITION) != 0u32 || material.normal_map != NONE {
+        let looks_at_position =
+            (material.flags & MATERIAL_USES_POSITION) != 0u32 || material.normal_map != NONE;
+        if has::<S>(scene, FEATURE_POSITIONS) && looks_at_position {
             let p = hit_unit_point::<S>(scene, ray, hit);
             at = texture_point::<S>(scene, hit.instance, shape, surface, material, p, point.uv);
             point = with_normal_maps::<S>(scene, hit, material, p, at, point);
@@ -252,7 +320,8 @@ pub mod kernel {
         // The medium is told apart by what it comes from and by its instance.
         let body = surface.source ^ ((hit.instance + 1u32) * 2654435769u32);
         let mut eta: f32 = 1.0;
-        if material.refractive_index > 0.0 {
+        let refracts = has::<S>(scene, FEATURE_MEDIA) && material.refractive_index > 0.0;
+        if refracts {
             let outside = leave_medium(path.media, body).indices.x;
             let inside = material.refractive_index;
             eta = select(inside / outside, outside / inside, front);
@@ -268,6 +337,7 @@ pub mod kernel {
             path.event = EVENT_ABSORBED;
             if !is_dark(path.throughput) {
                 path.event = EVENT_PASSED;
+                path.follows = may_go_on;
                 path.goes_on = may_go_on;
             }
             path.ray = Ray { origin: offset_origin(point, ray.direction), direction: ray.direction };
@@ -289,9 +359,16 @@ pub mod kernel {
                 importance,
                 vec3f(u_light.x, u_light.y, u_light.z),
             );
-            path.direct = path.throughput * direct.radiance;
-            path.radiance += path.direct;
-            path.rays += direct.rays;
+            let arriving = path.throughput * direct.radiance;
+            if direct.end > 0.0 {
+                path.shadow = direct.ray;
+                path.shadow_end = direct.end;
+                path.shadow_light = arriving;
+                path.goes_on = true;
+            } else {
+                path.direct = arriving;
+                path.radiance += arriving;
+            }
         }
 
         // Where the path goes on.
@@ -303,7 +380,7 @@ pub mod kernel {
             return path;
         }
         path.throughput *= sample.weight;
-        if material.refractive_index > 0.0 && dot(sample.direction, point.normal) * cos_front < 0.0 {
+        if refracts && dot(sample.direction, point.normal) * cos_front < 0.0 {
             if front {
                 path.media = enter_medium(path.media, body, material.refractive_index);
             } else {
@@ -312,7 +389,7 @@ pub mod kernel {
         }
         path.ray = Ray { origin: offset_origin(point, sample.direction), direction: sample.direction };
         path.segment += 1;
-        path.goes_on = may_go_on;
+        path.follows = may_go_on;
         if sample.event != EVENT_PASSED {
             path.touched += 1;
             path.previous = PathVertex {
@@ -329,62 +406,109 @@ pub mod kernel {
             let survival = min(largest(path.throughput), 0.95);
             if u.w >= survival {
                 path.event = EVENT_STOPPED;
-                path.goes_on = false;
+                path.follows = false;
                 return path;
             }
             path.throughput *= 1.0 / survival;
         }
+        path.goes_on = path.goes_on || path.follows;
         path
     }
 
-    /// Follows one path from the camera to its end.
-    pub fn trace_path<S: SceneAccess + Copy>(
-        scene: S,
-        key: SampleKey,
-        first: Ray,
-        depth: u32,
-        background: Vec3f,
-    ) -> PathSample {
-        let mut path = start_path(first);
-        while path.goes_on {
-            path = extend_path::<S>(scene, key, depth, background, path);
-        }
-        PathSample { radiance: path.radiance, rays: path.rays }
-    }
-
-    /// A sample by the path tracer.
-    pub fn path_sample<S: SceneAccess + Copy>(
-        scene: S,
-        settings: LaunchSettings,
-        key: SampleKey,
-        ray: Ray,
-    ) -> PathSample {
-        trace_path::<S>(scene, key, ray, settings.depth, settings.background)
-    }
-
-    /// A sample by the ray tracer.
-    pub fn ray_sample<S: SceneAccess + Copy>(
-        scene: S,
-        settings: LaunchSettings,
-        key: SampleKey,
-        ray: Ray,
-    ) -> PathSample {
-        let traced = trace_rays::<S>(scene, settings, key, ray);
-        PathSample { radiance: traced.radiance, rays: traced.rays }
-    }
-
-    /// A sample by the renderer of the settings. Graphics cards have a program for each renderer, in which one of
-    /// the two functions above stands in for this one.
+    /// A sample of the renderer of the settings along a given first ray.
     pub fn trace_sample<S: SceneAccess + Copy>(
         scene: S,
         settings: LaunchSettings,
         key: SampleKey,
-        ray: Ray,
+        first: Ray,
     ) -> PathSample {
         if settings.renderer == RENDERER_RAY_TRACER {
-            return ray_sample::<S>(scene, settings, key, ray);
+            let traced = trace_rays::<S>(scene, settings, key, first);
+            return PathSample { radiance: traced.radiance, rays: traced.rays };
         }
-        path_sample::<S>(scene, settings, key, ray)
+        let mut path = start_path(first);
+        while path.goes_on {
+            path = extend_path::<S>(scene, key, settings.depth, settings.background, path);
+        }
+        PathSample { radiance: path.radiance, rays: path.rays }
+    }
+
+    /// The sum of a pixel with one sample more.
+    pub fn add_sample(before: FilmPixel, radiance: Vec3f, rays: u32) -> FilmPixel {
+        let mut film = before;
+        film.radiance += radiance;
+        film.squares += radiance * radiance;
+        film.rays += rays;
+        film
+    }
+
+    /// Adds samples of the path tracer to a pixel.
+    ///
+    /// One loop over the segments of all paths: where a path ends the next one starts, so that neighbouring
+    /// threads of a graphics card, whose paths have other lengths, do not wait for each other.
+    pub fn add_path_samples<S: SceneAccess + Copy>(
+        scene: S,
+        settings: LaunchSettings,
+        x: u32,
+        y: u32,
+        count: u32,
+        before: FilmPixel,
+    ) -> FilmPixel {
+        let header = S::header(scene);
+        let mut film = before;
+        let mut started: u32 = 0;
+        let mut key = sample_key(settings, x, y, settings.first_sample);
+        let mut path = start_path(Ray { origin: vec3f(0.0, 0.0, 0.0), direction: vec3f(0.0, 0.0, 1.0) });
+        path.goes_on = false;
+        while started < count || path.goes_on {
+            if !path.goes_on {
+                key = sample_key(settings, x, y, settings.first_sample + started);
+                path = start_path(sampled_camera_ray(header, settings, key, x, y));
+                started += 1;
+            }
+            path = extend_path::<S>(scene, key, settings.depth, settings.background, path);
+            if !path.goes_on {
+                film = add_sample(film, path.radiance, path.rays);
+            }
+        }
+        film
+    }
+
+    /// Adds samples of the ray tracer to a pixel.
+    pub fn add_ray_samples<S: SceneAccess + Copy>(
+        scene: S,
+        settings: LaunchSettings,
+        x: u32,
+        y: u32,
+        count: u32,
+        before: FilmPixel,
+    ) -> FilmPixel {
+        let header = S::header(scene);
+        let mut film = before;
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for i in 0..count {
+            let key = sample_key(settings, x, y, settings.first_sample + i);
+            let ray = sampled_camera_ray(header, settings, key, x, y);
+            let traced = trace_rays::<S>(scene, settings, key, ray);
+            film = add_sample(film, traced.radiance, traced.rays);
+        }
+        film
+    }
+
+    /// Adds samples of the renderer of the settings. Graphics cards have a program for each renderer, in which one
+    /// of the two functions above stands in for this one.
+    pub fn add_samples<S: SceneAccess + Copy>(
+        scene: S,
+        settings: LaunchSettings,
+        x: u32,
+        y: u32,
+        count: u32,
+        before: FilmPixel,
+    ) -> FilmPixel {
+        if settings.renderer == RENDERER_RAY_TRACER {
+            return add_ray_samples::<S>(scene, settings, x, y, count, before);
+        }
+        add_path_samples::<S>(scene, settings, x, y, count, before)
     }
 
     /// Adds samples to a pixel of the picture; `x` and `y` count from the top left.
@@ -395,18 +519,8 @@ pub mod kernel {
         y: u32,
         before: FilmPixel,
     ) -> FilmPixel {
-        let header = S::header(scene);
-        let mut film = before;
         let count = launched_samples(settings, before.samples);
-        #[wgsl_allow(non_literal_loop_bounds)]
-        for i in 0..count {
-            let key = sample_key(settings, x, y, settings.first_sample + i);
-            let ray = sampled_camera_ray(header, settings, key, x, y);
-            let path = trace_sample::<S>(scene, settings, key, ray);
-            film.radiance += path.radiance;
-            film.squares += path.radiance * path.radiance;
-            film.rays += path.rays;
-        }
+        let mut film = add_samples::<S>(scene, settings, x, y, count, before);
         if settings.counted == 0u32 {
             film.samples += count;
         }

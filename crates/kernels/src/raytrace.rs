@@ -94,7 +94,9 @@ pub mod kernel {
                 let front = cos_front >= 0.0;
                 let record = sided_material::<S>(scene, shape.material, front);
                 let mut at = uv_point(point.uv);
-                if (record.flags & MATERIAL_USES_POSITION) != 0u32 || record.normal_map != NONE {
+                let looks_at_position =
+                    (record.flags & MATERIAL_USES_POSITION) != 0u32 || record.normal_map != NONE;
+                if has::<S>(scene, FEATURE_POSITIONS) && looks_at_position {
                     let p = hit_unit_point::<S>(scene, ray, hit);
                     at = texture_point::<S>(scene, hit.instance, shape, surface, record, p, point.uv);
                     point = with_normal_maps::<S>(scene, hit, record, p, at, point);

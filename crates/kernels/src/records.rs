@@ -19,26 +19,41 @@ pub mod kernel {
         pub row2: Vec4f,
     }
 
-    /// Inner node of a binary bounding volume hierarchy; it holds the boxes of its two children.
+    /// Node of a bounding volume hierarchy with up to eight children, whose boxes stand on a grid (Ylitie, Karras and
+    /// Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017): 80 bytes.
     ///
-    /// A child with `count` 0 is an inner node with index `child`; otherwise it is a leaf of `count` objects
-    /// starting at `child`. An inner node whose index has `INSTANCE_BIT` set is an instance: the rest of the index
-    /// is that of its object record.
+    /// A child is another node, a few objects, or nothing. The bits of the number of a child tell on which side of
+    /// the node it rather lies: 1, 2 and 4 stand for larger x, y and z; see the module `bvh`.
+    ///
+    /// A node with `NODE_INSTANCE` in `exponents` is an instance instead: `first_object` is its record and
+    /// `first_node` the root of its group.
     #[repr(C)]
     #[derive(Copy, Clone, Debug, Wgsl)]
     pub struct BvhNode {
-        pub min0: Vec3f,
-        pub child0: u32,
-        pub max0: Vec3f,
-        pub count0: u32,
-        pub min1: Vec3f,
-        pub child1: u32,
-        pub max1: Vec3f,
-        pub count1: u32,
+        /// Lower corner of the grid.
+        pub origin: Vec3f,
+        /// Binary exponents of the edges of its cells along x, y, z, biased as in floats, in the lowest three bytes.
+        /// The highest byte has a bit for each child that is a node.
+        pub exponents: u32,
+        /// The first child that is a node; the others follow.
+        pub first_node: u32,
+        /// Where the objects of the children that are leaves start.
+        pub first_object: u32,
+        /// A byte for each of the children 0 to 3: number of its objects in the upper three bits, below it where
+        /// they start behind `first_object`. 0 for nodes and where there is no child.
+        pub leaves0: u32,
+        /// Children 4 to 7.
+        pub leaves1: u32,
+        /// Lower ends of the boxes in cells, a byte for each child: x of 0 to 3, x of 4 to 7, y, y.
+        pub low_xy: Vec4u,
+        /// Lower ends in z, upper ends in x.
+        pub low_z_high_x: Vec4u,
+        /// Upper ends in y and z.
+        pub high_yz: Vec4u,
     }
 
-    /// Marks the index of an instance among the children of nodes.
-    pub const INSTANCE_BIT: u32 = 2147483648;
+    /// In place of the exponents: the node is an instance.
+    pub const NODE_INSTANCE: u32 = 4294967295;
 
     /// Unit sphere.
     pub const SHAPE_SPHERE: u32 = 0;
@@ -52,8 +67,8 @@ pub mod kernel {
     pub const SHAPE_PARALLELOGRAM: u32 = 4;
     /// x, z >= 0, x + z <= 1, y = 0; front side +y.
     pub const SHAPE_TRIANGLE: u32 = 5;
-    /// A group of objects with a hierarchy of its own, whose root node `ShapeRecord::material` is. The matrices
-    /// lead to the space of the group.
+    /// A group of objects with a hierarchy of its own, found through a node with `NODE_INSTANCE`. The matrices lead
+    /// to the space of the group.
     pub const SHAPE_INSTANCE: u32 = 6;
 
     /// Part of `ShapeRecord::kind` that holds the shape.
@@ -76,7 +91,7 @@ pub mod kernel {
         pub object_from_world: Affine,
         /// Shape in the lowest byte, flags above.
         pub kind: u32,
-        /// Instance: root of its hierarchy.
+        /// Instance: number of its group.
         pub material: u32,
         pub base_radius: f32,
         /// Triangle: its number in the mesh, which tells it apart from the others in random choices.
@@ -115,6 +130,10 @@ pub mod kernel {
     pub const MATERIAL_MIRRORS: u32 = 2;
     /// A channel looks at the position, see the module `coordinates`.
     pub const MATERIAL_USES_POSITION: u32 = 4;
+    /// Nothing but Lambertian reflection and transmission, and the alpha of the diffuse channel.
+    pub const MATERIAL_LAMBERTIAN: u32 = 8;
+    /// Lambertian, and the same everywhere: `diffuse_color` and `transmitted_color` say how.
+    pub const MATERIAL_UNIFORM: u32 = 16;
 
     /// Coefficients of a material as indices of channels, or `NONE`.
     #[repr(C)]
@@ -141,6 +160,12 @@ pub mod kernel {
         pub reserved0: u32,
         pub reserved1: u32,
         pub reserved2: u32,
+        /// Uniform: value of the channel `diffuse`.
+        pub diffuse_color: Vec3f,
+        pub reserved3: u32,
+        /// Uniform: value of the channel `diffuse_transparency`.
+        pub transmitted_color: Vec3f,
+        pub reserved4: u32,
     }
 
     /// The value of `ChannelRecord` is the result.
@@ -395,10 +420,43 @@ pub mod kernel {
         min(settings.samples, max(pixel_samples, settings.first_sample) - settings.first_sample)
     }
 
+    /// What a scene may contain. The lowest bits stand for the shapes, 1 << `SHAPE_SPHERE` and so on. Kernels ask
+    /// before they do what a scene may not need, so that a program for a scene without it need not hold the code.
+    ///
+    /// A material that is more than `MATERIAL_LAMBERTIAN`.
+    pub const FEATURE_LOBES: u32 = 256;
+    /// A body with a refractive index.
+    pub const FEATURE_MEDIA: u32 = 512;
+    /// A channel that is read from an image.
+    pub const FEATURE_IMAGES: u32 = 1024;
+    /// A channel that is neither a constant nor an image.
+    pub const FEATURE_PROGRAMS: u32 = 2048;
+    /// A material that looks at the position or has normal maps.
+    pub const FEATURE_POSITIONS: u32 = 4096;
+    /// A material with another one at its back.
+    pub const FEATURE_BACKS: u32 = 8192;
+    /// An object with `FLAG_NOT_OPAQUE`.
+    pub const FEATURE_HOLES: u32 = 16384;
+    /// A light that needs a table: sky maps, daylight, physical lights.
+    pub const FEATURE_LIGHT_TABLES: u32 = 32768;
+    /// Lights in groups.
+    pub const FEATURE_LIGHT_GROUPS: u32 = 65536;
+    /// Hierarchies of more than `MANY_NODES` nodes.
+    pub const FEATURE_MANY_NODES: u32 = 131072;
+    /// Everything.
+    pub const ALL_FEATURES: u32 = 262143;
+
+    /// With more nodes than this the search for hits takes most of the time; measured.
+    pub const MANY_NODES: u32 = 200;
+
     /// How kernels read a compiled scene. The CPU implements it over slices, the GPU over storage buffers.
     pub trait SceneAccess {
+        /// What the scene may contain, `FEATURE_LOBES` and so on.
+        fn features(scene: Self) -> u32;
         fn header(scene: Self) -> SceneHeader;
         fn node(scene: Self, index: u32) -> BvhNode;
+        /// Children of a node, as bits, whose boxes a ray reaches up to the parameter `t_max`; see the module `bvh`.
+        fn reached_children(scene: Self, index: u32, origin: Vec3f, inverse: Vec3f, t_max: f32) -> u32;
         fn shape(scene: Self, index: u32) -> ShapeRecord;
         fn surface(scene: Self, index: u32) -> SurfaceRecord;
         fn material(scene: Self, index: u32) -> MaterialRecord;
@@ -408,10 +466,28 @@ pub mod kernel {
         fn attribute(scene: Self, index: u32) -> Vec4f;
     }
 
+    /// Whether the scene may contain something.
+    pub fn has<S: SceneAccess + Copy>(scene: S, feature: u32) -> bool {
+        (S::features(scene) & feature) != 0u32
+    }
+
     /// `matrix * (point, 1)`.
     pub fn transform_point(matrix: Affine, point: Vec3f) -> Vec3f {
-        let p = vec4f(point.x, point.y, point.z, 1.0);
-        vec3f(dot(matrix.row0, p), dot(matrix.row1, p), dot(matrix.row2, p))
+        vec3f(
+            transform_row(matrix.row0, point),
+            transform_row(matrix.row1, point),
+            transform_row(matrix.row2, point),
+        )
+    }
+
+    /// One component of `matrix * (point, 1)`, from the row of the matrix.
+    pub fn transform_row(row: Vec4f, point: Vec3f) -> f32 {
+        row.x * point.x + row.y * point.y + row.z * point.z + row.w
+    }
+
+    /// One component of `matrix * (direction, 0)`, from the row of the matrix.
+    pub fn turn_row(row: Vec4f, direction: Vec3f) -> f32 {
+        row.x * direction.x + row.y * direction.y + row.z * direction.z
     }
 
     /// A row of the product of two matrices, given that row of the first.
@@ -430,8 +506,11 @@ pub mod kernel {
 
     /// `matrix * (direction, 0)`.
     pub fn transform_vector(matrix: Affine, direction: Vec3f) -> Vec3f {
-        let d = vec4f(direction.x, direction.y, direction.z, 0.0);
-        vec3f(dot(matrix.row0, d), dot(matrix.row1, d), dot(matrix.row2, d))
+        vec3f(
+            turn_row(matrix.row0, direction),
+            turn_row(matrix.row1, direction),
+            turn_row(matrix.row2, direction),
+        )
     }
 
     /// The transpose of the linear part times `normal`. With the inverse matrix this carries normals.
@@ -479,11 +558,11 @@ macro_rules! plain_old_data {
 
 plain_old_data! {
     Affine: 12,
-    BvhNode: 16,
+    BvhNode: 20,
     ShapeRecord: 16,
     SurfaceRecord: 16,
     ObjectRecord: 32,
-    MaterialRecord: 16,
+    MaterialRecord: 24,
     ChannelRecord: 8,
     LightRecord: 24,
     SceneHeader: 28,

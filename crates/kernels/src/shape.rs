@@ -188,66 +188,67 @@ pub mod kernel {
         x * x + y * y <= radius * radius
     }
 
-    /// Plane and parallelogram.
-    pub fn intersect_flat(kind: u32, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
-        let mut t = -ray.origin.y / away_from_zero(ray.direction.y);
-        let x = ray.origin.x + t * ray.direction.x;
-        let z = ray.origin.z + t * ray.direction.z;
-        let mut inside = abs(x) <= 1.0 && z >= 0.0 && z <= 1.0;
-        if kind == SHAPE_PLANE {
-            t = -ray.origin.z / away_from_zero(ray.direction.z);
-            inside = true;
+    /// Plane, parallelogram and triangle, given a ray in the world: where it crosses their plane is known after a
+    /// third of the work, and most rays that reach a box do not cross it in time.
+    ///
+    /// A triangle of a mesh reaches beyond its edges by the rounding error of the point there, so that rays do not
+    /// slip through between neighbours, which round differently.
+    pub fn intersect_flat(features: u32, shape: ShapeRecord, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+        let m = shape.object_from_world;
+        let kind = shape.kind & SHAPE_MASK;
+        let mut across = m.row1;
+        let is_plane = (features & (1u32 << SHAPE_PLANE)) != 0u32 && kind == SHAPE_PLANE;
+        if is_plane {
+            across = m.row2;
         }
-        if inside && t > t_min && t < t_max {
+        let slope = turn_row(across, ray.direction);
+        let t = -transform_row(across, ray.origin) / away_from_zero(slope);
+        if t <= t_min || t >= t_max {
+            return no_hit();
+        }
+        let x = transform_row(m.row0, ray.origin) + t * turn_row(m.row0, ray.direction);
+        let z = transform_row(m.row2, ray.origin) + t * turn_row(m.row2, ray.direction);
+        let mut inside = is_plane || (abs(x) <= 1.0 && z >= 0.0 && z <= 1.0);
+        if (features & (1u32 << SHAPE_TRIANGLE)) != 0u32 && kind == SHAPE_TRIANGLE {
+            let far = abs(ray.origin) + abs(ray.direction) * abs(t);
+            let margin_x = ROUNDING * transform_row(abs(m.row0), far);
+            let margin_z = ROUNDING * transform_row(abs(m.row2), far);
+            let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, slope < 0.0);
+            inside = x >= -margin_x
+                && z >= -margin_z
+                && x + z <= 1.0 + margin_x + margin_z
+                && (shape.kind & hidden) == 0u32;
+        }
+        if inside {
             return ShapeHit { t, face: 0 };
         }
         no_hit()
     }
 
-    /// A triangle of a mesh. It reaches beyond its edges by the rounding error of the point there, so that rays do
-    /// not slip through between neighbours, which round differently.
-    pub fn intersect_triangle(
+    /// The first hit of a world-space ray with the shape at t in (`t_min`, `t_max`); `features` tells which shapes
+    /// there may be.
+    pub fn intersect_shape(
+        features: u32,
         shape: ShapeRecord,
         ray_world: Ray,
-        ray: Ray,
         t_min: f32,
         t_max: f32,
     ) -> ShapeHit {
-        let t = -ray.origin.y / away_from_zero(ray.direction.y);
-        let x = ray.origin.x + t * ray.direction.x;
-        let z = ray.origin.z + t * ray.direction.z;
-        let far = abs(ray_world.origin) + abs(ray_world.direction) * abs(t);
-        let magnitude = vec4f(far.x, far.y, far.z, 1.0);
-        let margin_x = ROUNDING * dot(abs(shape.object_from_world.row0), magnitude);
-        let margin_z = ROUNDING * dot(abs(shape.object_from_world.row2), magnitude);
-        let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, ray.direction.y < 0.0);
-        let inside = x >= -margin_x
-            && z >= -margin_z
-            && x + z <= 1.0 + margin_x + margin_z
-            && (shape.kind & hidden) == 0u32;
-        if inside && t > t_min && t < t_max {
-            return ShapeHit { t, face: 0 };
-        }
-        no_hit()
-    }
-
-    /// The first hit of a world-space ray with the shape at t in (`t_min`, `t_max`).
-    pub fn intersect_shape(shape: ShapeRecord, ray_world: Ray, t_min: f32, t_max: f32) -> ShapeHit {
-        let ray = transform_ray(shape.object_from_world, ray_world);
         let kind = shape.kind & SHAPE_MASK;
-        if kind == SHAPE_TRIANGLE {
-            return intersect_triangle(shape, ray_world, ray, t_min, t_max);
-        }
         if kind >= SHAPE_PLANE {
-            return intersect_flat(kind, ray, t_min, t_max);
+            return intersect_flat(features, shape, ray_world, t_min, t_max);
         }
-        if kind == SHAPE_FRUSTUM {
+        let ray = transform_ray(shape.object_from_world, ray_world);
+        if (features & (1u32 << SHAPE_FRUSTUM)) != 0u32 && kind == SHAPE_FRUSTUM {
             return intersect_frustum(shape, ray, t_min, t_max);
         }
-        if kind == SHAPE_SPHERE {
+        if (features & (1u32 << SHAPE_SPHERE)) != 0u32 && kind == SHAPE_SPHERE {
             return intersect_sphere(ray, t_min, t_max);
         }
-        intersect_box(ray, t_min, t_max)
+        if (features & (1u32 << SHAPE_BOX)) != 0u32 {
+            return intersect_box(ray, t_min, t_max);
+        }
+        no_hit()
     }
 
     /// Moves a point in object space exactly onto the surface that was hit, which makes its error independent

@@ -90,7 +90,8 @@ pub mod kernel {
             }
             return vec3f(0.0, 0.0, 0.0);
         }
-        if light.kind == LIGHT_SKY_MAP || light.kind == LIGHT_DAYLIGHT {
+        let tables = has::<S>(scene, FEATURE_LIGHT_TABLES);
+        if tables && (light.kind == LIGHT_SKY_MAP || light.kind == LIGHT_DAYLIGHT) {
             let local = to_light_axes(light, direction);
             if light.kind == LIGHT_DAYLIGHT {
                 return daylight_radiance::<S>(scene, light.program, local);
@@ -223,7 +224,8 @@ pub mod kernel {
         if light.kind == LIGHT_SUN {
             return sun_pdf(light);
         }
-        if light.kind == LIGHT_SKY_MAP || light.kind == LIGHT_DAYLIGHT {
+        let tables = has::<S>(scene, FEATURE_LIGHT_TABLES);
+        if tables && (light.kind == LIGHT_SKY_MAP || light.kind == LIGHT_DAYLIGHT) {
             return table_pdf::<S>(scene, light, direction);
         }
         0.0

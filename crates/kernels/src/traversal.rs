@@ -8,11 +8,13 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod kernel {
     use crate::bsdf::kernel::*;
+    use crate::bvh::kernel::*;
     use crate::coordinates::kernel::*;
     use crate::mesh::kernel::*;
     use crate::random::kernel::*;
     use crate::records::kernel::*;
     use crate::shape::kernel::*;
+    use crate::warp::kernel::*;
     use wgsl_rs::std::*;
 
     /// The first object along a ray; `object` is `NONE` if there is none.
@@ -24,9 +26,8 @@ pub mod kernel {
         pub instance: u32,
     }
 
-    /// Levels of the hierarchy of the scene, and of the hierarchy of a group, that the traversal stack can hold
-    /// together; the compiler of scenes keeps to them.
-    pub const MAX_BVH_DEPTH: u32 = 48;
+    /// Levels that the hierarchy of the scene, and that of a group, may have; the traversal stack holds both.
+    pub const MAX_BVH_DEPTH: u32 = 24;
     /// A convex shape is hit at most twice by a ray; an open one may show both sides of its inside.
     pub const MAX_HITS_PER_OBJECT: u32 = 4;
 
@@ -36,18 +37,6 @@ pub mod kernel {
     /// Reciprocals that are finite also for rays parallel to an axis.
     pub fn inverse_direction(d: Vec3f) -> Vec3f {
         vec3f(1.0 / away_from_zero(d.x), 1.0 / away_from_zero(d.y), 1.0 / away_from_zero(d.z))
-    }
-
-    /// Distance at which a ray enters a box, or `NO_HIT`. Conservative: rounding never loses a box (Ize, "Robust
-    /// BVH Ray Traversal", JCGT 2(2), 2013).
-    pub fn box_entry(origin: Vec3f, inverse: Vec3f, low: Vec3f, high: Vec3f, t_max: f32) -> f32 {
-        let a = (low - origin) * inverse;
-        let b = (high - origin) * inverse;
-        let near = min(a, b);
-        let far = max(a, b);
-        let t_in = max(max(near.x, near.y), max(near.z, 0.0));
-        let t_out = min(min(far.x, far.y), min(far.z, t_max));
-        select(NO_HIT, t_in, t_in <= t_out * 1.0000004)
     }
 
     /// Where channels are evaluated for a hit that is not yet known to count.
@@ -75,7 +64,7 @@ pub mod kernel {
         hit: ShapeHit,
     ) -> MaterialRecord {
         let material = S::material(scene, shape.material);
-        if material.back == NONE {
+        if !has::<S>(scene, FEATURE_BACKS) || material.back == NONE {
             return material;
         }
         let outward = object_normal(shape, hit.face, hit_point(shape, ray, hit));
@@ -86,178 +75,34 @@ pub mod kernel {
         S::material(scene, material.back)
     }
 
-    /// Joins an object to the closest hit so far; `ray` is in the space of the instance, if there is one. Partly
-    /// transparent surfaces are met with the probability of their opacity (but see `EVERY_SURFACE`); the decision depends on the sample, the
-    /// segment, the instance and the object alone (on the triangle in case of meshes), so that the order in which
-    /// objects are visited does not matter.
-    pub fn closer_hit<S: SceneAccess + Copy>(
-        scene: S,
-        instance: u32,
-        index: u32,
-        ray: Ray,
-        key: SampleKey,
-        segment: u32,
-        best: Hit,
-    ) -> Hit {
-        let shape = S::shape(scene, index);
-        let mut t_min: f32 = 0.0;
-        #[wgsl_allow(non_literal_loop_bounds)]
-        for attempt in 0..MAX_HITS_PER_OBJECT {
-            let hit = intersect_shape(shape, ray, t_min, best.shape.t);
-            if hit.t >= NO_HIT {
-                return best;
-            }
-            if (shape.kind & FLAG_NOT_OPAQUE) == 0u32 {
-                return Hit { shape: hit, object: index, instance };
-            }
-            let material = material_hit::<S>(scene, shape, ray, hit);
-            let at = hit_texture_point::<S>(scene, instance, index, shape, material, ray, hit);
-            let opacity = surface_opacity::<S>(scene, material, at);
-            if opacity >= 1.0 || (opacity > 0.0 && segment == EVERY_SURFACE) {
-                return Hit { shape: hit, object: index, instance };
-            }
-            if opacity > 0.0 {
-                // Front and back of one object are told apart by the number of the attempt.
-                let triangle = u32(shape.top_radius);
-                let bits = pcg4d(vec4u(
-                    key.pixel,
-                    key.sample,
-                    DIMENSION_OPACITY + S::surface(scene, index).source,
-                    key.seed
-                        ^ ((segment * MAX_HITS_PER_OBJECT + attempt) * 2654435769u32)
-                        ^ (triangle * 2246822519u32)
-                        ^ ((instance + 1u32) * 3266489917u32),
-                ));
-                if unit_float(bits.x) < opacity {
-                    return Hit { shape: hit, object: index, instance };
-                }
-            }
-            t_min = hit.t;
-        }
-        best
-    }
+    /// What a search along a ray is for: the first surface that it meets, or the light that passes undisturbed.
+    pub const SEARCH_HIT: u32 = 0;
+    pub const SEARCH_LIGHT: u32 = 1;
+    /// As `SEARCH_LIGHT`; refracting bodies let light pass as if they did not bend it.
+    pub const SEARCH_LIGHT_THROUGH_BODIES: u32 = 2;
 
-    /// The children of a node: where their objects, or they themselves, start; how many objects there are to be
-    /// tested, 0 for inner nodes and for those that are not reached.
+    /// What a search is for, and what its random choices depend on.
     #[derive(Copy, Clone, Debug, Wgsl)]
-    pub struct LeafPair {
-        pub first0: u32,
-        pub count0: u32,
-        pub first1: u32,
-        pub count1: u32,
+    pub struct Quest {
+        /// `SEARCH_HIT` or one of the others.
+        pub purpose: u32,
+        pub key: SampleKey,
+        /// Number of the ray on its path.
+        pub segment: u32,
     }
 
-    pub fn reached_leaves(node: BvhNode, reached0: bool, reached1: bool) -> LeafPair {
-        LeafPair {
-            first0: node.child0,
-            count0: select(0u32, node.count0, reached0),
-            first1: node.child1,
-            count1: select(0u32, node.count1, reached1),
-        }
+    /// A search for light, which leaves nothing to chance.
+    pub fn light_quest(purpose: u32) -> Quest {
+        Quest { purpose, key: independent_key(0u32, 0u32, 0u32), segment: 0 }
     }
 
-    /// The object number `i` of both leaves together.
-    pub fn leaf_object(leaves: LeafPair, i: u32) -> u32 {
-        select(leaves.first1 + (i - leaves.count0), leaves.first0 + i, i < leaves.count0)
-    }
-
-    /// The first surface that a ray meets.
-    pub fn closest_hit<S: SceneAccess + Copy>(scene: S, ray: Ray, key: SampleKey, segment: u32) -> Hit {
-        let header = S::header(scene);
-        let mut best = Hit { shape: no_hit(), object: NONE, instance: NONE };
-        // The ray in the space of the instance that is being searched, and how many nodes of the scene wait
-        // below those of the instance.
-        let mut instance = NONE;
-        let mut local = ray;
-        let mut inverse = inverse_direction(ray.direction);
-        let mut waiting: u32 = 0;
-        let mut stack: [u32; 96] = [0u32; 96];
-        // Unbounded objects come first, then the root, which waits on the stack.
-        let mut stacked: u32 = select(0u32, 1u32, header.nodes > 0u32);
-        let mut current = NONE;
-        let mut searching = true;
-        while searching {
-            let mut children = LeafPair { first0: 0, count0: header.unbounded_objects, first1: 0, count1: 0 };
-            let mut t0 = NO_HIT;
-            let mut t1 = NO_HIT;
-            if current != NONE {
-                if (current & INSTANCE_BIT) != 0u32 {
-                    instance = current ^ INSTANCE_BIT;
-                    let placement = S::shape(scene, instance);
-                    local = transform_ray(placement.object_from_world, ray);
-                    inverse = inverse_direction(local.direction);
-                    waiting = stacked;
-                    current = placement.material;
-                }
-                let node = S::node(scene, current);
-                t0 = box_entry(local.origin, inverse, node.min0, node.max0, best.shape.t);
-                t1 = box_entry(local.origin, inverse, node.min1, node.max1, best.shape.t);
-                children = reached_leaves(node, t0 < NO_HIT, t1 < NO_HIT);
-            }
-            // Leaves are tested at once, inner nodes are descended into, the nearer one first. One loop over the
-            // objects of both, so that graphics cards hold their code once.
-            #[wgsl_allow(non_literal_loop_bounds)]
-            for i in 0..(children.count0 + children.count1) {
-                if i < children.count0 || t1 < best.shape.t {
-                    best =
-                        closer_hit::<S>(scene, instance, leaf_object(children, i), local, key, segment, best);
-                }
-            }
-            let descend0 = t0 < NO_HIT && children.count0 == 0u32;
-            let descend1 = t1 < NO_HIT && children.count1 == 0u32;
-            if descend0 && descend1 {
-                let first = t0 <= t1;
-                stack[stacked as usize] = select(children.first0, children.first1, first);
-                stacked += 1;
-                current = select(children.first1, children.first0, first);
-            } else if descend0 {
-                current = children.first0;
-            } else if descend1 {
-                current = children.first1;
-            } else {
-                if instance != NONE && stacked == waiting {
-                    instance = NONE;
-                    local = ray;
-                    inverse = inverse_direction(ray.direction);
-                }
-                if stacked > 0u32 {
-                    stacked -= 1;
-                    current = stack[stacked as usize];
-                } else {
-                    searching = false;
-                }
-            }
-        }
-        best
-    }
-
-    /// Share of light per channel that passes one object between the ends of a shadow ray.
-    pub fn object_transmittance<S: SceneAccess + Copy>(
-        scene: S,
-        instance: u32,
-        index: u32,
-        ray: Ray,
-        t_max: f32,
-        through_bodies: bool,
-    ) -> Vec3f {
-        let shape = S::shape(scene, index);
-        let mut passed = vec3f(1.0, 1.0, 1.0);
-        let mut t_min: f32 = 0.0;
-        #[wgsl_allow(non_literal_loop_bounds)]
-        for _attempt in 0..MAX_HITS_PER_OBJECT {
-            let hit = intersect_shape(shape, ray, t_min, t_max);
-            if hit.t >= NO_HIT {
-                return passed;
-            }
-            if (shape.kind & FLAG_NOT_OPAQUE) == 0u32 {
-                return vec3f(0.0, 0.0, 0.0);
-            }
-            let material = material_hit::<S>(scene, shape, ray, hit);
-            let at = hit_texture_point::<S>(scene, instance, index, shape, material, ray, hit);
-            passed *= surface_transmittance::<S>(scene, material, at, through_bodies);
-            t_min = hit.t;
-        }
-        passed
+    /// What was found along a ray so far.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct Found {
+        /// The closest hit, or how far the ray reaches.
+        pub hit: Hit,
+        /// Share of light per channel that passes.
+        pub passed: Vec3f,
     }
 
     /// True if no light is left in any channel.
@@ -265,79 +110,174 @@ pub mod kernel {
         color.x <= 0.0 && color.y <= 0.0 && color.z <= 0.0
     }
 
-    /// Share of light per channel that passes undisturbed along a ray up to parameter `t_max`.
-    pub fn transmittance<S: SceneAccess + Copy>(scene: S, ray: Ray, t_max: f32) -> Vec3f {
-        shadow_transmittance::<S>(scene, ray, t_max, false)
+    /// Whether a ray that looks for a hit meets a partly transparent surface, given its opacity there: with that
+    /// probability (but see `EVERY_SURFACE`). The decision depends on the sample, the segment, the instance and the
+    /// object alone (on the triangle in case of meshes), so that the order in which objects are visited does not
+    /// matter.
+    pub fn is_met(
+        quest: Quest,
+        attempt: u32,
+        instance: u32,
+        source: u32,
+        triangle: u32,
+        opacity: f32,
+    ) -> bool {
+        if opacity >= 1.0 || opacity <= 0.0 || quest.segment == EVERY_SURFACE {
+            return opacity > 0.0;
+        }
+        // Front and back of one object are told apart by the number of the attempt.
+        let bits = pcg4d(vec4u(
+            quest.key.pixel,
+            quest.key.sample,
+            DIMENSION_OPACITY + source,
+            quest.key.seed
+                ^ ((quest.segment * MAX_HITS_PER_OBJECT + attempt) * 2654435769u32)
+                ^ (triangle * 2246822519u32)
+                ^ ((instance + 1u32) * 3266489917u32),
+        ));
+        unit_float(bits.x) < opacity
     }
 
-    /// As `transmittance`; with `through_bodies` refracting bodies let light pass as if they did not bend it.
+    /// Joins an object to what was found so far; `ray` is in the space of the instance, if there is one.
+    pub fn meet_object<S: SceneAccess + Copy>(
+        scene: S,
+        instance: u32,
+        index: u32,
+        ray: Ray,
+        quest: Quest,
+        before: Found,
+    ) -> Found {
+        let shape = S::shape(scene, index);
+        let mut found = before;
+        let mut t_min: f32 = 0.0;
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for attempt in 0..MAX_HITS_PER_OBJECT {
+            let hit = intersect_shape(S::features(scene), shape, ray, t_min, found.hit.shape.t);
+            if hit.t >= NO_HIT {
+                return found;
+            }
+            let mut passes = vec3f(0.0, 0.0, 0.0);
+            if has::<S>(scene, FEATURE_HOLES) && (shape.kind & FLAG_NOT_OPAQUE) != 0u32 {
+                let material = material_hit::<S>(scene, shape, ray, hit);
+                let at = hit_texture_point::<S>(scene, instance, index, shape, material, ray, hit);
+                let through_bodies = quest.purpose == SEARCH_LIGHT_THROUGH_BODIES;
+                passes = surface_transmittance::<S>(scene, material, at, through_bodies);
+                if quest.purpose == SEARCH_HIT {
+                    let source = S::surface(scene, index).source;
+                    let opacity = 1.0 - smallest(passes);
+                    let triangle = u32(shape.top_radius);
+                    let met = is_met(quest, attempt, instance, source, triangle, opacity);
+                    passes = select(vec3f(1.0, 1.0, 1.0), vec3f(0.0, 0.0, 0.0), met);
+                }
+            }
+            if quest.purpose != SEARCH_HIT {
+                found.passed *= passes;
+            }
+            if is_dark(passes) {
+                if quest.purpose == SEARCH_HIT {
+                    found.hit = Hit { shape: hit, object: index, instance };
+                }
+                return found;
+            }
+            t_min = hit.t;
+        }
+        found
+    }
+
+    /// Looks for what a ray meets up to parameter `t_max`. Light that none is left of is not followed further.
+    pub fn search<S: SceneAccess + Copy>(scene: S, ray: Ray, t_max: f32, quest: Quest) -> Found {
+        let header = S::header(scene);
+        let nothing = Hit { shape: ShapeHit { t: t_max, face: 0 }, object: NONE, instance: NONE };
+        let mut found = Found { hit: nothing, passed: vec3f(1.0, 1.0, 1.0) };
+        // The ray in the space of the instance that is being searched, and how many groups of nodes of the scene
+        // wait below those of the instance.
+        let mut instance = NONE;
+        let mut local = ray;
+        let mut inverse = inverse_direction(ray.direction);
+        let mut order = visiting_order(inverse);
+        let mut outside: u32 = 0;
+        let mut stack_first: [u32; 48] = [0u32; 48];
+        let mut stack_bits: [u32; 48] = [0u32; 48];
+        let mut stacked: u32 = 0;
+        let mut children = vec2u(0, 0);
+        if header.nodes > 0u32 {
+            children = waiting_root(0u32);
+        }
+        // Objects without bounds are tested first.
+        let mut unbounded: u32 = 0;
+        let mut searching = true;
+        while searching {
+            let mut objects: u32 = 0;
+            let mut first_object: u32 = 0;
+            if any_waits(children) {
+                let index = next_node(children, order);
+                children = without_next(children);
+                if any_waits(children) {
+                    stack_first[stacked as usize] = children.x;
+                    stack_bits[stacked as usize] = children.y;
+                    stacked += 1;
+                }
+                let node = S::node(scene, index);
+                if has::<S>(scene, 1u32 << SHAPE_INSTANCE) && node.exponents == NODE_INSTANCE {
+                    instance = node.first_object;
+                    local = transform_ray(S::shape(scene, instance).object_from_world, ray);
+                    inverse = inverse_direction(local.direction);
+                    order = visiting_order(inverse);
+                    outside = stacked;
+                    children = waiting_root(node.first_node);
+                } else {
+                    let reached = S::reached_children(scene, index, local.origin, inverse, found.hit.shape.t);
+                    children = waiting_children(node, reached, order);
+                    first_object = node.first_object;
+                    objects = leaf_objects(node, reached & (255u32 ^ (node.exponents >> 24u32)));
+                }
+            }
+            // One place that tests objects, so that graphics cards hold the code once.
+            while objects != 0u32 || unbounded < header.unbounded_objects {
+                let mut index = unbounded;
+                if unbounded < header.unbounded_objects {
+                    unbounded += 1;
+                } else {
+                    index = first_object + count_trailing_zeros(objects);
+                    objects &= objects - 1u32;
+                }
+                found = meet_object::<S>(scene, instance, index, local, quest, found);
+                if is_dark(found.passed) {
+                    return found;
+                }
+            }
+            if !any_waits(children) {
+                if has::<S>(scene, 1u32 << SHAPE_INSTANCE) && instance != NONE && stacked == outside {
+                    instance = NONE;
+                    local = ray;
+                    inverse = inverse_direction(ray.direction);
+                    order = visiting_order(inverse);
+                }
+                if stacked > 0u32 {
+                    stacked -= 1;
+                    children = vec2u(stack_first[stacked as usize], stack_bits[stacked as usize]);
+                } else {
+                    searching = false;
+                }
+            }
+        }
+        found
+    }
+
+    /// The first surface that a ray meets.
+    pub fn closest_hit<S: SceneAccess + Copy>(scene: S, ray: Ray, key: SampleKey, segment: u32) -> Hit {
+        search::<S>(scene, ray, NO_HIT, Quest { purpose: SEARCH_HIT, key, segment }).hit
+    }
+
+    /// Share of light per channel that passes undisturbed along a ray up to parameter `t_max`; with
+    /// `through_bodies` refracting bodies let light pass as if they did not bend it.
     pub fn shadow_transmittance<S: SceneAccess + Copy>(
         scene: S,
         ray: Ray,
         t_max: f32,
         through_bodies: bool,
     ) -> Vec3f {
-        let header = S::header(scene);
-        let mut passed = vec3f(1.0, 1.0, 1.0);
-        // As in `closest_hit`, but in any order.
-        let mut instance = NONE;
-        let mut local = ray;
-        let mut inverse = inverse_direction(ray.direction);
-        let mut waiting: u32 = 0;
-        let mut stack: [u32; 96] = [0u32; 96];
-        let mut stacked: u32 = select(0u32, 1u32, header.nodes > 0u32);
-        let mut current = NONE;
-        let mut searching = true;
-        while searching {
-            let mut children = LeafPair { first0: 0, count0: header.unbounded_objects, first1: 0, count1: 0 };
-            let mut reached0 = false;
-            let mut reached1 = false;
-            if current != NONE {
-                if (current & INSTANCE_BIT) != 0u32 {
-                    instance = current ^ INSTANCE_BIT;
-                    let placement = S::shape(scene, instance);
-                    local = transform_ray(placement.object_from_world, ray);
-                    inverse = inverse_direction(local.direction);
-                    waiting = stacked;
-                    current = placement.material;
-                }
-                let node = S::node(scene, current);
-                reached0 = box_entry(local.origin, inverse, node.min0, node.max0, t_max) < NO_HIT;
-                reached1 = box_entry(local.origin, inverse, node.min1, node.max1, t_max) < NO_HIT;
-                children = reached_leaves(node, reached0, reached1);
-            }
-            #[wgsl_allow(non_literal_loop_bounds)]
-            for i in 0..(children.count0 + children.count1) {
-                let object = leaf_object(children, i);
-                passed *= object_transmittance::<S>(scene, instance, object, local, t_max, through_bodies);
-            }
-            let descend0 = reached0 && children.count0 == 0u32;
-            let descend1 = reached1 && children.count1 == 0u32;
-            if is_dark(passed) {
-                return passed;
-            }
-            if descend0 && descend1 {
-                stack[stacked as usize] = children.first1;
-                stacked += 1;
-                current = children.first0;
-            } else if descend0 {
-                current = children.first0;
-            } else if descend1 {
-                current = children.first1;
-            } else {
-                if instance != NONE && stacked == waiting {
-                    instance = NONE;
-                    local = ray;
-                    inverse = inverse_direction(ray.direction);
-                }
-                if stacked > 0u32 {
-                    stacked -= 1;
-                    current = stack[stacked as usize];
-                } else {
-                    searching = false;
-                }
-            }
-        }
-        passed
+        let purpose = select(SEARCH_LIGHT, SEARCH_LIGHT_THROUGH_BODIES, through_bodies);
+        search::<S>(scene, ray, t_max, light_quest(purpose)).passed
     }
 }

@@ -160,6 +160,14 @@ impl Batch {
 
 /// A scene on a device, ready to be rendered any number of times.
 pub trait LoadedScene {
+    /// Does ahead what the first picture of a renderer needs besides: graphics cards compile their program.
+    ///
+    /// # Errors
+    /// If the device fails.
+    fn prepare(&self, _renderer: Renderer) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
     /// Adds samples to rows of a picture; `pixels` are those of the rows, `progress` hears of the samples of this
     /// batch. The result depends on the scene, the settings and the kind of device alone: not on tiles, threads,
     /// time, nor on how the samples are divided into batches.

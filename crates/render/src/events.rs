@@ -40,7 +40,7 @@ fn path_events(
     (x, y): (u32, u32),
     sample: u32,
 ) -> fmt::Result {
-    let slices = Slices { scene };
+    let slices = Slices::of(scene);
     let launch = settings.launch();
     let key = sample_key(launch, x, y, sample);
     let first = sampled_camera_ray(scene.header, launch, key, x, y);
@@ -48,7 +48,11 @@ fn path_events(
     let mut path = start_path(first);
     while path.goes_on {
         let hit = closest_hit(slices, path.ray, key, path.segment);
-        let next = extend_path(slices, key, settings.depth, launch.background, path);
+        let extended = |path| extend_path(slices, key, settings.depth, launch.background, path);
+        let mut next = extended(path);
+        if next.shadow_end > 0.0 {
+            next = extended(next);
+        }
         ray_events(text, scene, &path, &hit, &next)?;
         path = next;
     }
@@ -66,7 +70,7 @@ fn ray_events(
     let place = |local: Vec3f| World(local, scene);
     writeln!(text, "  ray {} from {} towards {}", before.segment, place(origin), Numbers(direction))?;
     if hit.object != NONE {
-        let slices = Slices { scene };
+        let slices = Slices::of(scene);
         let point = hit_surface(slices, before.ray, *hit);
         let object = &scene.objects[hit.object as usize];
         let towards =

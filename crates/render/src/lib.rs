@@ -27,7 +27,7 @@ pub use device::{Batch, ControlFlow, Device, DeviceError, LoadedScene, Progress,
 pub use events::pixel_events;
 pub use film::{Film, automatic_exposure};
 pub use gpu::{GpuInfo, list_gpus};
-pub use open::{DeviceChoice, automatic_gpu, open_device, open_device_for};
+pub use open::{DeviceChoice, ReadyDevice, automatic_gpu, load_for, open_device};
 pub use passes::{StopRule, relative_noise, render_until};
 pub use picture::{
     BandSink, Layer, Layers, Origins, PictureError, PictureFormat, PictureTarget, RenderError,

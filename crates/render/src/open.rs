@@ -2,7 +2,7 @@
 
 use crate::cpu::Cpu;
 use crate::gpu::{Gpu, GpuInfo};
-use crate::{Device, DeviceError, Renderer};
+use crate::{CompiledScene, Device, DeviceError, LoadedScene, Renderer};
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -46,26 +46,44 @@ pub fn automatic_gpu(gpus: &[GpuInfo]) -> Option<usize> {
 /// # Errors
 /// If it is not there or refuses to work. `Auto` falls back to the CPU instead.
 pub fn open_device(choice: DeviceChoice, threads: Option<usize>) -> Result<Box<dyn Device>, DeviceError> {
-    open_device_for(choice, threads, Renderer::default())
-}
-
-/// As [`open_device`], for work with one renderer: `Auto` also falls back to the CPU if the graphics card cannot
-/// run that one.
-///
-/// # Errors
-/// As [`open_device`].
-pub fn open_device_for(
-    choice: DeviceChoice,
-    threads: Option<usize>,
-    renderer: Renderer,
-) -> Result<Box<dyn Device>, DeviceError> {
     match choice {
         DeviceChoice::Cpu => Ok(Box::new(Cpu::new(threads)?)),
         DeviceChoice::Gpu(number) => Ok(Box::new(Arc::new(Gpu::open(number.unwrap_or(0))?))),
         DeviceChoice::Auto => match Gpu::open_automatic() {
-            Some(Ok(gpu)) if gpu.pipeline(renderer).is_ok() => Ok(Box::new(Arc::new(gpu))),
-            Some(_) | None => Ok(Box::new(Cpu::new(threads)?)),
+            Some(Ok(gpu)) => Ok(Box::new(Arc::new(gpu))),
+            Some(Err(_)) | None => Ok(Box::new(Cpu::new(threads)?)),
         },
+    }
+}
+
+/// A device with a scene that it is ready to render.
+pub struct ReadyDevice {
+    /// The device, which `Auto` may have replaced.
+    pub device: Box<dyn Device>,
+    /// The scene in its memory.
+    pub scene: Box<dyn LoadedScene>,
+}
+
+/// Loads a scene into a device from [`open_device`] and prepares it for a renderer: graphics cards compile their
+/// program for it.
+///
+/// # Errors
+/// If the device refuses. `Auto` falls back to the CPU instead.
+pub fn load_for(
+    device: Box<dyn Device>,
+    choice: DeviceChoice,
+    threads: Option<usize>,
+    scene: &Arc<CompiledScene>,
+    renderer: Renderer,
+) -> Result<ReadyDevice, DeviceError> {
+    let load = |device: Box<dyn Device>| {
+        let scene = device.load(Arc::clone(scene))?;
+        scene.prepare(renderer)?;
+        Ok(ReadyDevice { device, scene })
+    };
+    match load(device) {
+        Err(_) if choice == DeviceChoice::Auto => load(Box::new(Cpu::new(threads)?)),
+        result => result,
     }
 }
 

@@ -35,7 +35,7 @@ impl Cpu {
         settings: &RenderSettings,
         rays: &[WorldRay],
     ) -> Vec<Rgb> {
-        let slices = Slices { scene };
+        let slices = Slices::of(scene);
         let launch = LaunchSettings { width: WIDTH, ..settings.launch() };
         let along = |(number, ray): (usize, &WorldRay)| {
             // More rays than 32 bits can count repeat the random numbers of the first ones.

@@ -14,7 +14,7 @@ pub enum Renderer {
 }
 
 impl Renderer {
-    /// All of them, in the order of [`Renderer::index`].
+    /// All of them.
     pub const ALL: [Self; 2] = [Renderer::PathTracer, Renderer::RayTracer];
 
     /// What users call it.
@@ -23,11 +23,6 @@ impl Renderer {
             Renderer::PathTracer => "pathtracer",
             Renderer::RayTracer => "raytracer",
         }
-    }
-
-    /// Position in [`Renderer::ALL`].
-    pub(crate) fn index(self) -> usize {
-        self as usize
     }
 
     /// What the kernels call it.
@@ -41,8 +36,8 @@ impl Renderer {
     /// The kernel that makes its samples.
     pub(crate) fn kernel(self) -> &'static str {
         match self {
-            Renderer::PathTracer => "path_sample",
-            Renderer::RayTracer => "ray_sample",
+            Renderer::PathTracer => "add_path_samples",
+            Renderer::RayTracer => "add_ray_samples",
         }
     }
 }
@@ -70,9 +65,8 @@ mod tests {
 
     #[test]
     fn names_are_read_back() {
-        for (index, renderer) in Renderer::ALL.into_iter().enumerate() {
+        for renderer in Renderer::ALL {
             assert_eq!(renderer.to_string().parse(), Ok(renderer));
-            assert_eq!(renderer.index(), index);
         }
         assert!("radiosity".parse::<Renderer>().is_err());
     }

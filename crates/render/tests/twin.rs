@@ -19,6 +19,7 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod probes {
     use kernels::bsdf::kernel::*;
+    use kernels::bvh::kernel::*;
     use kernels::light::kernel::*;
     use kernels::light_tree::kernel::*;
     use kernels::random::kernel::*;
@@ -111,7 +112,7 @@ pub mod probes {
     pub fn probe_shape(kind: u32, index: u32) -> Vec4f {
         let shape = random_shape(index, kind);
         let ray = Ray { origin: random_point(index, 1), direction: random_direction(index, 2) };
-        let hit = intersect_shape(shape, ray, 0.0, NO_HIT);
+        let hit = intersect_shape(ALL_FEATURES, shape, ray, 0.0, NO_HIT);
         if hit.t >= NO_HIT {
             return vec4f(-1.0, 0.0, 0.0, 0.0);
         }
@@ -170,11 +171,31 @@ pub mod probes {
             return vec4f(p.x, p.y, power_heuristic(r.x, r.y), spot_profile(r.z, 0.8, 0.3));
         }
         if which == 15u32 {
-            let low = random_point(index, 35);
-            let high = low + vec3f(1.0, 0.5, 2.0);
+            // A cell of 1/64, boxes anywhere on the grid.
+            let a = pcg4d(vec4u(index, 35, 0, 0));
+            let b = pcg4d(vec4u(index, 36, 0, 0));
+            let c = pcg4d(vec4u(index, 37, 0, 0));
+            let node = BvhNode {
+                origin: random_point(index, 38),
+                exponents: 7960953u32 | (a.x & 4278190080u32),
+                first_node: 100,
+                first_object: 200,
+                leaves0: 0,
+                leaves1: 0,
+                low_xy: a & vec4u(2139062143, 2139062143, 2139062143, 2139062143),
+                low_z_high_x: b | vec4u(0, 0, 2155905152, 2155905152),
+                high_yz: c | vec4u(2155905152, 2155905152, 2155905152, 2155905152),
+            };
             let inverse = inverse_direction(normal);
-            let t = box_entry(random_point(index, 36), inverse, low, high, NO_HIT);
-            return vec4f(select(t, -1.0, t >= NO_HIT), inverse.x * normal.x, inverse.y * normal.y, 0.0);
+            let order = visiting_order(inverse);
+            let reached = reached_boxes(node, random_point(index, 39), inverse, 3.0 * r.x);
+            let waiting = waiting_children(node, reached, order);
+            return vec4f(
+                f32(reached),
+                f32(waiting.y & 255u32),
+                f32(next_node(waiting, order)),
+                inverse.x * normal.x,
+            );
         }
         if which == 16u32 {
             return probe_light(LIGHT_SUN, index);

@@ -63,7 +63,7 @@ pub(super) fn compile_camera(
 pub(super) fn focus_on_middle(compiled: &mut CompiledScene) {
     let settings = crate::RenderSettings { width: 2, height: 2, ..Default::default() }.launch();
     let ray = camera_ray(compiled.header, settings, 1.0, 1.0);
-    let hit = closest_hit(Slices { scene: compiled }, ray, independent_key(0, 0, 0), 0);
+    let hit = closest_hit(Slices::of(compiled), ray, independent_key(0, 0, 0), 0);
     let mut distance = f64::from(hit.shape.t);
     if compiled.header.camera == CAMERA_PARALLEL {
         // These rays start behind the view plane.

@@ -46,7 +46,7 @@ pub(super) fn add_sky_densities(scene: &mut CompiledScene) {
 
 /// Mean luminance of the radiance in every cell.
 fn mean_luminances(scene: &CompiledScene, light: LightRecord) -> Vec<f64> {
-    let access = Slices { scene };
+    let access = Slices::of(scene);
     (0..COLUMNS * ROWS)
         .into_par_iter()
         .map(|cell| {

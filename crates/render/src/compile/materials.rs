@@ -2,11 +2,14 @@
 
 use super::channels::{compile_channels, compile_normal_maps, constant};
 use super::{CompileError, count};
+use kernels::bsdf::kernel::missing_channel;
 use kernels::records::kernel::{
-    ChannelRecord, MATERIAL_INTERPOLATED, MATERIAL_MIRRORS, MATERIAL_USES_POSITION, MaterialRecord, NONE,
+    CHANNEL_CONSTANT, ChannelRecord, MATERIAL_INTERPOLATED, MATERIAL_LAMBERTIAN, MATERIAL_MIRRORS,
+    MATERIAL_UNIFORM, MATERIAL_USES_POSITION, MaterialRecord, NONE,
 };
 use scene::{ChannelId, DVec3, Interior, Material, MaterialId, Phong, Scene};
 use std::collections::HashMap;
+use wgsl_rs::std::{Vec3f, vec3f};
 
 /// The tables behind the surfaces.
 pub(super) struct Materials {
@@ -91,6 +94,9 @@ pub(super) fn compile_materials(scene: &Scene, origin: DVec3) -> Result<Material
             }
         }
     }
+    for material in &mut materials {
+        simplify(material, &channels.records);
+    }
     for (index, material) in scene.materials.iter().enumerate() {
         if let Material::SideSwitch { front, back } = material {
             materials[index] = MaterialRecord { back: back.0, ..materials[front.index()] };
@@ -135,12 +141,43 @@ impl Materials {
             return *record;
         }
         let refractive_index = interior.refractive_index as f32;
-        self.records.push(MaterialRecord { refractive_index, ..self.records[material.index()] });
+        let record = self.records[material.index()];
+        // Light that is refracted or reflected by the surface of a body is more than Lambertian.
+        let flags = record.flags & !(MATERIAL_LAMBERTIAN | MATERIAL_UNIFORM);
+        self.records.push(MaterialRecord { refractive_index, flags, ..record });
         // What is refracted does not pass undisturbed, but the ray tracer's shadow rays do not tell.
         self.not_opaque.push(self.not_opaque[material.index()]);
         let record = count(self.records.len() - 1);
         self.filled.insert(key, record);
         record
+    }
+}
+
+/// Marks a material that needs no more than Lambert's law, and remembers colours that are the same everywhere.
+fn simplify(material: &mut MaterialRecord, channels: &[ChannelRecord]) {
+    let constant = |index: u32| {
+        let record = channels.get(index as usize)?;
+        (record.operation == CHANNEL_CONSTANT).then_some(record.value)
+    };
+    let is_black = |index: u32| {
+        index == NONE
+            || constant(index).is_some_and(|color| color.x <= 0.0 && color.y <= 0.0 && color.z <= 0.0)
+    };
+    if ![material.specular, material.transparency, material.emissive].into_iter().all(is_black)
+        || material.transparency_shininess != NONE
+    {
+        return;
+    }
+    material.flags |= MATERIAL_LAMBERTIAN;
+    let color = |number: u32, index: u32| -> Option<Vec3f> {
+        let color = if index == NONE { missing_channel(number) } else { constant(index)? };
+        Some(vec3f(color.x, color.y, color.z))
+    };
+    let colors = (color(0, material.diffuse), color(3, material.diffuse_transparency));
+    if let (Some(diffuse), Some(transmitted)) = colors {
+        material.flags |= MATERIAL_UNIFORM;
+        material.diffuse_color = diffuse;
+        material.transmitted_color = transmitted;
     }
 }
 
@@ -163,6 +200,10 @@ fn black() -> MaterialRecord {
         reserved0: 0,
         reserved1: 0,
         reserved2: 0,
+        diffuse_color: vec3f(0.0, 0.0, 0.0),
+        reserved3: 0,
+        transmitted_color: vec3f(0.0, 0.0, 0.0),
+        reserved4: 0,
     }
 }
 

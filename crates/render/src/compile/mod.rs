@@ -1,14 +1,17 @@
 //! Flattens a scene description into the records that the kernels read.
 
+mod binary;
 mod bvh;
 mod camera;
 mod channels;
 mod daylight;
 mod environment;
+mod features;
 mod instances;
 mod light_tree;
 mod lights;
 mod materials;
+mod node_encoding;
 mod noise;
 mod objects;
 mod texels;
@@ -51,6 +54,8 @@ pub struct CompiledScene {
     pub type_names: Vec<String>,
     /// What positions in the tables are relative to, in the world.
     pub origin: DVec3,
+    /// What the tables contain: `FEATURE_LOBES` and the others of the kernels.
+    pub features: u32,
     triangles: usize,
 }
 
@@ -205,8 +210,10 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
         origins,
         type_names: scene.type_names.clone(),
         origin,
+        features: 0,
         triangles,
     };
+    compiled.features = features::features(&compiled);
     environment::add_sky_densities(&mut compiled);
     if scene.camera.lens.is_some_and(|lens| lens.focus.is_none()) {
         camera::focus_on_middle(&mut compiled);

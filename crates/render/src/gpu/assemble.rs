@@ -130,14 +130,14 @@ mod tests {
     #[test]
     fn every_called_function_is_defined_once() {
         for renderer in Renderer::ALL {
-            let wgsl = super::super::shader::source(renderer).unwrap();
+            let wgsl = super::super::shader::source(renderer, 0).unwrap();
             let count = |name: &str| wgsl.matches(&format!("fn {name}_Buffers(")).count();
-            for name in ["trace_sample", "closest_hit", "shadow_transmittance", "channel_value"] {
+            for name in ["add_samples", "search", "channel_value"] {
                 assert_eq!(count(name), 1, "{name}");
             }
             // The other renderer is left out.
             let is_path_tracer = renderer == Renderer::PathTracer;
-            assert_eq!(count("trace_path"), usize::from(is_path_tracer));
+            assert_eq!(count("extend_path"), usize::from(is_path_tracer));
             assert_eq!(count("trace_rays"), usize::from(!is_path_tracer));
             // The whole must be valid WGSL, also on machines without any graphics card.
             let module = wgpu::naga::front::wgsl::parse_str(&wgsl).unwrap();

@@ -1,3 +1,5 @@
+var<private> stack_bits: array<u32, 48>;
+var<private> stack_first: array<u32, 48>;
 struct Affine {
     row0: vec4f,
     row1: vec4f,
@@ -5,16 +7,17 @@ struct Affine {
 }
 
 struct BvhNode {
-    min0: vec3f,
-    child0: u32,
-    max0: vec3f,
-    count0: u32,
-    min1: vec3f,
-    child1: u32,
-    max1: vec3f,
-    count1: u32
+    origin: vec3f,
+    exponents: u32,
+    first_node: u32,
+    first_object: u32,
+    leaves0: u32,
+    leaves1: u32,
+    low_xy: vec4u,
+    low_z_high_x: vec4u,
+    high_yz: vec4u
 }
-const INSTANCE_BIT: u32 = 2147483648u;
+const NODE_INSTANCE: u32 = 4294967295u;
 const SHAPE_SPHERE: u32 = 0u;
 const SHAPE_BOX: u32 = 1u;
 const SHAPE_FRUSTUM: u32 = 2u;
@@ -53,6 +56,8 @@ const NONE: u32 = 4294967295u;
 const MATERIAL_INTERPOLATED: u32 = 1u;
 const MATERIAL_MIRRORS: u32 = 2u;
 const MATERIAL_USES_POSITION: u32 = 4u;
+const MATERIAL_LAMBERTIAN: u32 = 8u;
+const MATERIAL_UNIFORM: u32 = 16u;
 
 struct MaterialRecord {
     diffuse: u32,
@@ -70,7 +75,11 @@ struct MaterialRecord {
     normal_map: u32,
     reserved0: u32,
     reserved1: u32,
-    reserved2: u32
+    reserved2: u32,
+    diffuse_color: vec3f,
+    reserved3: u32,
+    transmitted_color: vec3f,
+    reserved4: u32
 }
 const CHANNEL_CONSTANT: u32 = 0u;
 const CHANNEL_IMAGE: u32 = 1u;
@@ -201,10 +210,29 @@ fn launched_samples(settings: LaunchSettings, pixel_samples: u32) -> u32 {
     }
     return min(settings.samples, (max(pixel_samples, settings.first_sample) - settings.first_sample));
 }
+const FEATURE_LOBES: u32 = 256u;
+const FEATURE_MEDIA: u32 = 512u;
+const FEATURE_IMAGES: u32 = 1024u;
+const FEATURE_PROGRAMS: u32 = 2048u;
+const FEATURE_POSITIONS: u32 = 4096u;
+const FEATURE_BACKS: u32 = 8192u;
+const FEATURE_HOLES: u32 = 16384u;
+const FEATURE_LIGHT_TABLES: u32 = 32768u;
+const FEATURE_LIGHT_GROUPS: u32 = 65536u;
+const FEATURE_MANY_NODES: u32 = 131072u;
+const ALL_FEATURES: u32 = 262143u;
+const MANY_NODES: u32 = 200u;
 
 fn transform_point(matrix: Affine, point: vec3f) -> vec3f {
-    let p = vec4f(point.x, point.y, point.z, 1.0);
-    return vec3f(dot(matrix.row0, p), dot(matrix.row1, p), dot(matrix.row2, p));
+    return vec3f(transform_row(matrix.row0, point), transform_row(matrix.row1, point), transform_row(matrix.row2, point));
+}
+
+fn transform_row(row: vec4f, point: vec3f) -> f32 {
+    return ((((row.x * point.x) + (row.y * point.y)) + (row.z * point.z)) + row.w);
+}
+
+fn turn_row(row: vec4f, direction: vec3f) -> f32 {
+    return (((row.x * direction.x) + (row.y * direction.y)) + (row.z * direction.z));
 }
 
 fn compose_row(row: vec4f, second: Affine) -> vec4f {
@@ -216,8 +244,7 @@ fn compose(first: Affine, second: Affine) -> Affine {
 }
 
 fn transform_vector(matrix: Affine, direction: vec3f) -> vec3f {
-    let d = vec4f(direction.x, direction.y, direction.z, 0.0);
-    return vec3f(dot(matrix.row0, d), dot(matrix.row1, d), dot(matrix.row2, d));
+    return vec3f(turn_row(matrix.row0, direction), turn_row(matrix.row1, direction), turn_row(matrix.row2, direction));
 }
 
 fn transform_transposed(matrix: Affine, normal: vec3f) -> vec3f {
@@ -227,6 +254,10 @@ fn transform_transposed(matrix: Affine, normal: vec3f) -> vec3f {
 fn transform_magnitude(matrix: Affine, point: vec3f) -> vec3f {
     let p = vec4f(abs(point.x), abs(point.y), abs(point.z), 1.0);
     return vec3f(dot(abs(matrix.row0), p), dot(abs(matrix.row1), p), dot(abs(matrix.row2), p));
+}
+
+fn has_Buffers(scene: Buffers, feature: u32) -> bool {
+    return ((Buffers_features(scene) & feature) != 0u);
 }
 
 const PI: f32 = 3.14159265358979;
@@ -432,59 +463,63 @@ fn within_radius(ray: Ray, t: f32, radius: f32) -> bool {
     return (((x * x) + (y * y)) <= (radius * radius));
 }
 
-fn intersect_flat(kind: u32, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
-    var t = (-ray.origin.y / away_from_zero(ray.direction.y));
-    let x = (ray.origin.x + (t * ray.direction.x));
-    let z = (ray.origin.z + (t * ray.direction.z));
-    var inside = (((abs(x) <= 1.0) && (z >= 0.0)) && (z <= 1.0));
-    if (kind == SHAPE_PLANE) {
-        t = (-ray.origin.z / away_from_zero(ray.direction.z));
-        inside = true;
-    }
-    if ((inside && (t > t_min)) && (t < t_max)) {
-        return ShapeHit(t, 0u);
-    }
-    return no_hit();
-}
-
-fn intersect_triangle(
+fn intersect_flat(
+    features: u32,
     shape: ShapeRecord,
-    ray_world: Ray,
     ray: Ray,
     t_min: f32,
     t_max: f32,
 ) -> ShapeHit {
-    let t = (-ray.origin.y / away_from_zero(ray.direction.y));
-    let x = (ray.origin.x + (t * ray.direction.x));
-    let z = (ray.origin.z + (t * ray.direction.z));
-    let far = (abs(ray_world.origin) + (abs(ray_world.direction) * abs(t)));
-    let magnitude = vec4f(far.x, far.y, far.z, 1.0);
-    let margin_x = (ROUNDING * dot(abs(shape.object_from_world.row0), magnitude));
-    let margin_z = (ROUNDING * dot(abs(shape.object_from_world.row2), magnitude));
-    let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, (ray.direction.y < 0.0));
-    let inside = ((((x >= -margin_x) && (z >= -margin_z)) && ((x + z) <= ((1.0 + margin_x) + margin_z))) && ((shape.kind & hidden) == 0u));
-    if ((inside && (t > t_min)) && (t < t_max)) {
+    let m = shape.object_from_world;
+    let kind = (shape.kind & SHAPE_MASK);
+    var across = m.row1;
+    let is_plane = (((features & (1u << SHAPE_PLANE)) != 0u) && (kind == SHAPE_PLANE));
+    if is_plane {
+        across = m.row2;
+    }
+    let slope = turn_row(across, ray.direction);
+    let t = (-transform_row(across, ray.origin) / away_from_zero(slope));
+    if ((t <= t_min) || (t >= t_max)) {
+        return no_hit();
+    }
+    let x = (transform_row(m.row0, ray.origin) + (t * turn_row(m.row0, ray.direction)));
+    let z = (transform_row(m.row2, ray.origin) + (t * turn_row(m.row2, ray.direction)));
+    var inside = (is_plane || (((abs(x) <= 1.0) && (z >= 0.0)) && (z <= 1.0)));
+    if (((features & (1u << SHAPE_TRIANGLE)) != 0u) && (kind == SHAPE_TRIANGLE)) {
+        let far = (abs(ray.origin) + (abs(ray.direction) * abs(t)));
+        let margin_x = (ROUNDING * transform_row(abs(m.row0), far));
+        let margin_z = (ROUNDING * transform_row(abs(m.row2), far));
+        let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, (slope < 0.0));
+        inside = ((((x >= -margin_x) && (z >= -margin_z)) && ((x + z) <= ((1.0 + margin_x) + margin_z))) && ((shape.kind & hidden) == 0u));
+    }
+    if inside {
         return ShapeHit(t, 0u);
     }
     return no_hit();
 }
 
-fn intersect_shape(shape: ShapeRecord, ray_world: Ray, t_min: f32, t_max: f32) -> ShapeHit {
-    let ray = transform_ray(shape.object_from_world, ray_world);
+fn intersect_shape(
+    features: u32,
+    shape: ShapeRecord,
+    ray_world: Ray,
+    t_min: f32,
+    t_max: f32,
+) -> ShapeHit {
     let kind = (shape.kind & SHAPE_MASK);
-    if (kind == SHAPE_TRIANGLE) {
-        return intersect_triangle(shape, ray_world, ray, t_min, t_max);
-    }
     if (kind >= SHAPE_PLANE) {
-        return intersect_flat(kind, ray, t_min, t_max);
+        return intersect_flat(features, shape, ray_world, t_min, t_max);
     }
-    if (kind == SHAPE_FRUSTUM) {
+    let ray = transform_ray(shape.object_from_world, ray_world);
+    if (((features & (1u << SHAPE_FRUSTUM)) != 0u) && (kind == SHAPE_FRUSTUM)) {
         return intersect_frustum(shape, ray, t_min, t_max);
     }
-    if (kind == SHAPE_SPHERE) {
+    if (((features & (1u << SHAPE_SPHERE)) != 0u) && (kind == SHAPE_SPHERE)) {
         return intersect_sphere(ray, t_min, t_max);
     }
-    return intersect_box(ray, t_min, t_max);
+    if ((features & (1u << SHAPE_BOX)) != 0u) {
+        return intersect_box(ray, t_min, t_max);
+    }
+    return no_hit();
 }
 
 fn snap_to_surface(shape: ShapeRecord, face: u32, p: vec3f) -> vec3f {
@@ -993,6 +1028,110 @@ fn world_from_unit_Buffers(scene: Buffers, instance: u32, surface: SurfaceRecord
     return compose(Buffers_surface(scene, instance).world_from_object, surface.world_from_object);
 }
 
+fn unpack_bytes(word: u32) -> vec4f {
+    return vec4f(f32((word & 255u)), f32(((word >> 8u) & 255u)), f32(((word >> 16u) & 255u)), f32((word >> 24u)));
+}
+
+fn cell_edge(exponent: u32) -> f32 {
+    return bitcast<f32>((exponent << 23u));
+}
+
+fn reached_of_four(
+    near: vec3u,
+    far: vec3u,
+    edge: vec3f,
+    start: vec3f,
+    t_max: f32,
+) -> u32 {
+    let one = vec4f(1.0, 1.0, 1.0, 1.0);
+    let zero = vec4f(0.0, 0.0, 0.0, 0.0);
+    let in_x = ((unpack_bytes(near.x) * edge.x) + (one * start.x));
+    let in_y = ((unpack_bytes(near.y) * edge.y) + (one * start.y));
+    let in_z = ((unpack_bytes(near.z) * edge.z) + (one * start.z));
+    let out_x = ((unpack_bytes(far.x) * edge.x) + (one * start.x));
+    let out_y = ((unpack_bytes(far.y) * edge.y) + (one * start.y));
+    let out_z = ((unpack_bytes(far.z) * edge.z) + (one * start.z));
+    let t_in = max(max(in_x, in_y), max(in_z, zero));
+    let t_out = (min(min(out_x, out_y), min(out_z, (one * t_max))) * 1.0000008);
+    return (((select(0u, 1u, (t_in.x <= t_out.x)) | select(0u, 2u, (t_in.y <= t_out.y))) | select(0u, 4u, (t_in.z <= t_out.z))) | select(0u, 8u, (t_in.w <= t_out.w)));
+}
+
+fn reached_boxes(node: BvhNode, origin: vec3f, inverse: vec3f, t_max: f32) -> u32 {
+    let edge = (vec3f(cell_edge((node.exponents & 255u)), cell_edge(((node.exponents >> 8u) & 255u)), cell_edge(((node.exponents >> 16u) & 255u))) * inverse);
+    let start = ((node.origin - origin) * inverse);
+    let low_x = vec2u(node.low_xy.x, node.low_xy.y);
+    let low_y = vec2u(node.low_xy.z, node.low_xy.w);
+    let low_z = vec2u(node.low_z_high_x.x, node.low_z_high_x.y);
+    let high_x = vec2u(node.low_z_high_x.z, node.low_z_high_x.w);
+    let high_y = vec2u(node.high_yz.x, node.high_yz.y);
+    let high_z = vec2u(node.high_yz.z, node.high_yz.w);
+    let near_x = select(high_x, low_x, (inverse.x >= 0.0));
+    let near_y = select(high_y, low_y, (inverse.y >= 0.0));
+    let near_z = select(high_z, low_z, (inverse.z >= 0.0));
+    let far_x = select(low_x, high_x, (inverse.x >= 0.0));
+    let far_y = select(low_y, high_y, (inverse.y >= 0.0));
+    let far_z = select(low_z, high_z, (inverse.z >= 0.0));
+    let near0 = vec3u(near_x.x, near_y.x, near_z.x);
+    let far0 = vec3u(far_x.x, far_y.x, far_z.x);
+    let near1 = vec3u(near_x.y, near_y.y, near_z.y);
+    let far1 = vec3u(far_x.y, far_y.y, far_z.y);
+    return (reached_of_four(near0, far0, edge, start, t_max) | (reached_of_four(near1, far1, edge, start, t_max) << 4u));
+}
+
+fn visiting_order(inverse: vec3f) -> u32 {
+    return ((select(0u, 1u, (inverse.x < 0.0)) | select(0u, 2u, (inverse.y < 0.0))) | select(0u, 4u, (inverse.z < 0.0)));
+}
+
+fn in_order(children: u32, order: u32) -> u32 {
+    var bits = children;
+    if ((order & 1u) != 0u) {
+        bits = (((bits & 85u) << 1u) | ((bits >> 1u) & 85u));
+    }
+    if ((order & 2u) != 0u) {
+        bits = (((bits & 51u) << 2u) | ((bits >> 2u) & 51u));
+    }
+    if ((order & 4u) != 0u) {
+        bits = (((bits & 15u) << 4u) | (bits >> 4u));
+    }
+    return bits;
+}
+
+fn leaf_objects(node: BvhNode, leaves: u32) -> u32 {
+    var objects: u32 = 0u;
+    var left = leaves;
+    while (left != 0u) {
+        let child = countTrailingZeros(left);
+        left &= (left - 1u);
+        let word = select(node.leaves0, node.leaves1, (child >= 4u));
+        let leaf = (word >> ((child & 3u) * 8u));
+        let members = ((1u << ((leaf >> 5u) & 7u)) - 1u);
+        objects |= (members << (leaf & 31u));
+    }
+    return objects;
+}
+
+fn waiting_children(node: BvhNode, reached: u32, order: u32) -> vec2u {
+    let nodes = (node.exponents >> 24u);
+    return vec2u(node.first_node, (in_order((reached & nodes), order) | (nodes << 8u)));
+}
+
+fn waiting_root(root: u32) -> vec2u {
+    return vec2u(root, 1u);
+}
+
+fn any_waits(children: vec2u) -> bool {
+    return ((children.y & 255u) != 0u);
+}
+
+fn next_node(children: vec2u, order: u32) -> u32 {
+    let child = (countTrailingZeros(children.y) ^ order);
+    return (children.x + countOneBits(((children.y >> 8u) & ((1u << child) - 1u))));
+}
+
+fn without_next(children: vec2u) -> vec2u {
+    return vec2u(children.x, (children.y & (children.y - 1u)));
+}
+
 struct Media {
     indices: vec4f,
     bodies: vec4u
@@ -1403,13 +1542,13 @@ fn channel_value_Buffers(scene: Buffers, index: u32, at: TexturePoint, missing: 
         return missing;
     }
     let channel = Buffers_channel(scene, index);
-    if (channel.operation == CHANNEL_IMAGE) {
+    if (has_Buffers(scene, FEATURE_IMAGES) && (channel.operation == CHANNEL_IMAGE)) {
         return image_color_Buffers(scene, channel, at.uv);
     }
-    if (channel.operation == CHANNEL_CONSTANT) {
-        return channel.value;
+    if (has_Buffers(scene, FEATURE_PROGRAMS) && (channel.operation != CHANNEL_CONSTANT)) {
+        return run_channel_Buffers(scene, index, at);
     }
-    return run_channel_Buffers(scene, index, at);
+    return channel.value;
 }
 
 fn compute_number_Buffers(scene: Buffers, record: ChannelRecord, before: ChannelRegisters) -> ChannelRegisters {
@@ -1672,6 +1811,14 @@ fn undisturbed_part(material: MaterialRecord, tau: vec3f, alpha: f32) -> vec3f {
     return clamp(tau, vec3f(0.0, 0.0, 0.0), vec3f(1.0, 1.0, 1.0));
 }
 
+fn lambertian_bsdf(reflected: vec3f, transmitted: vec3f) -> Bsdf {
+    let zero = vec3f(0.0, 0.0, 0.0);
+    let diffuse = max(reflected, zero);
+    let diffuse_transmission = max(transmitted, zero);
+    let scale = (1.0 / max(largest((diffuse + diffuse_transmission)), 1.0));
+    return Bsdf((diffuse * scale), (diffuse_transmission * scale), zero, MIRROR_EXPONENT, zero, MIRROR_EXPONENT, zero, zero, 1.0);
+}
+
 fn glossy_norm(exponent: f32) -> f32 {
     let excess = (1.0 + (0.08 * max(0.0, (1.0 - exponent))));
     return ((exponent + 2.0) / (TWO_PI * excess));
@@ -1783,6 +1930,10 @@ fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
     return sample;
 }
 
+fn is_lambertian_Buffers(scene: Buffers, material: MaterialRecord) -> bool {
+    return (!has_Buffers(scene, FEATURE_LOBES) || ((material.flags & MATERIAL_LAMBERTIAN) != 0u));
+}
+
 fn material_bsdf_Buffers(
     scene: Buffers,
     material: MaterialRecord,
@@ -1790,13 +1941,23 @@ fn material_bsdf_Buffers(
     eta: f32,
     cosine: f32,
 ) -> Bsdf {
+    if ((material.flags & MATERIAL_UNIFORM) != 0u) {
+        return lambertian_bsdf(material.diffuse_color, material.transmitted_color);
+    }
     let none = vec4f(0.0, 0.0, 0.0, 0.0);
     var values: array<vec4f, 7> = array(none, none, none, none, none, none, none);
-    for (var i = 0u; i < MATERIAL_CHANNELS; i++) {
-        let channel = material_channel(material, i);
-        values[u32(i)] = channel_value_Buffers(scene, channel, at, missing_channel(i));
+    let lambertian = is_lambertian_Buffers(scene, material);
+    let step = select(1u, 3u, lambertian);
+    for (var i = 0u; i < select(MATERIAL_CHANNELS, 2u, lambertian); i++) {
+        let number = (i * step);
+        let channel = material_channel(material, number);
+        values[u32(number)] = channel_value_Buffers(scene, channel, at, missing_channel(number));
     }
     let c_d = values[0];
+    if lambertian {
+        let transmitted = vec3f(values[3].x, values[3].y, values[3].z);
+        return lambertian_bsdf(vec3f(c_d.x, c_d.y, c_d.z), transmitted);
+    }
     let tau = clear_transmission(material, values[1], c_d.w);
     let c_s = values[2];
     let c_dt = values[3];
@@ -1850,25 +2011,25 @@ fn material_bsdf_Buffers(
     return Bsdf((diffuse * scale), (diffuse_transmission * scale), (glossy * scale), exponent, (blurred * scale), transmission_exponent, (straight * scale), max(vec3f(emissive.x, emissive.y, emissive.z), zero), eta);
 }
 
+fn passing_channels_Buffers(scene: Buffers, material: MaterialRecord) -> u32 {
+    return select(PASSING_CHANNELS, 1u, is_lambertian_Buffers(scene, material));
+}
+
 fn sided_material_Buffers(scene: Buffers, index: u32, front: bool) -> MaterialRecord {
     let material = Buffers_material(scene, index);
-    if (front || (material.back == NONE)) {
+    if ((!has_Buffers(scene, FEATURE_BACKS) || front) || (material.back == NONE)) {
         return material;
     }
     return Buffers_material(scene, material.back);
 }
 
-fn surface_opacity_Buffers(scene: Buffers, material: MaterialRecord, at: TexturePoint) -> f32 {
-    return (1.0 - smallest(surface_transmittance_Buffers(scene, material, at, false)));
-}
-
 fn surface_transmittance_Buffers(scene: Buffers, material: MaterialRecord, at: TexturePoint, through_bodies: bool) -> vec3f {
-    if ((material.refractive_index > 0.0) && !through_bodies) {
+    if ((has_Buffers(scene, FEATURE_MEDIA) && (material.refractive_index > 0.0)) && !through_bodies) {
         return vec3f(0.0, 0.0, 0.0);
     }
     let zero = vec4f(0.0, 0.0, 0.0, 0.0);
     var values: array<vec4f, 2> = array(zero, zero);
-    for (var i = 0u; i < PASSING_CHANNELS; i++) {
+    for (var i = 0u; i < passing_channels_Buffers(scene, material); i++) {
         let channel = material_channel(material, i);
         values[u32(i)] = channel_value_Buffers(scene, channel, at, missing_channel(i));
     }
@@ -1881,146 +2042,53 @@ struct Hit {
     object: u32,
     instance: u32
 }
-const MAX_BVH_DEPTH: u32 = 48u;
+const MAX_BVH_DEPTH: u32 = 24u;
 const MAX_HITS_PER_OBJECT: u32 = 4u;
 const EVERY_SURFACE: u32 = 4294967295u;
 
 fn inverse_direction(d: vec3f) -> vec3f {
     return vec3f((1.0 / away_from_zero(d.x)), (1.0 / away_from_zero(d.y)), (1.0 / away_from_zero(d.z)));
 }
+const SEARCH_HIT: u32 = 0u;
+const SEARCH_LIGHT: u32 = 1u;
+const SEARCH_LIGHT_THROUGH_BODIES: u32 = 2u;
 
-fn box_entry(
-    origin: vec3f,
-    inverse: vec3f,
-    low: vec3f,
-    high: vec3f,
-    t_max: f32,
-) -> f32 {
-    let a = ((low - origin) * inverse);
-    let b = ((high - origin) * inverse);
-    let near = min(a, b);
-    let far = max(a, b);
-    let t_in = max(max(near.x, near.y), max(near.z, 0.0));
-    let t_out = min(min(far.x, far.y), min(far.z, t_max));
-    return select(NO_HIT, t_in, (t_in <= (t_out * 1.0000004)));
+struct Quest {
+    purpose: u32,
+    key: SampleKey,
+    segment: u32
 }
 
-struct LeafPair {
-    first0: u32,
-    count0: u32,
-    first1: u32,
-    count1: u32
+fn light_quest(purpose: u32) -> Quest {
+    return Quest(purpose, independent_key(0u, 0u, 0u), 0u);
 }
 
-fn reached_leaves(node: BvhNode, reached0: bool, reached1: bool) -> LeafPair {
-    return LeafPair(node.child0, select(0u, node.count0, reached0), node.child1, select(0u, node.count1, reached1));
-}
-
-fn leaf_object(leaves: LeafPair, i: u32) -> u32 {
-    return select((leaves.first1 + (i - leaves.count0)), (leaves.first0 + i), (i < leaves.count0));
+struct Found {
+    hit: Hit,
+    passed: vec3f
 }
 
 fn is_dark(color: vec3f) -> bool {
     return (((color.x <= 0.0) && (color.y <= 0.0)) && (color.z <= 0.0));
 }
 
-fn closer_hit_Buffers(
-    scene: Buffers,
+fn is_met(
+    quest: Quest,
+    attempt: u32,
     instance: u32,
-    index: u32,
-    ray: Ray,
-    key: SampleKey,
-    segment: u32,
-    best: Hit,
-) -> Hit {
-    let shape = Buffers_shape(scene, index);
-    var t_min: f32 = 0.0;
-    for (var attempt = 0u; attempt < MAX_HITS_PER_OBJECT; attempt++) {
-        let hit = intersect_shape(shape, ray, t_min, best.shape.t);
-        if (hit.t >= NO_HIT) {
-            return best;
-        }
-        if ((shape.kind & FLAG_NOT_OPAQUE) == 0u) {
-            return Hit(hit, index, instance);
-        }
-        let material = material_hit_Buffers(scene, shape, ray, hit);
-        let at = hit_texture_point_Buffers(scene, instance, index, shape, material, ray, hit);
-        let opacity = surface_opacity_Buffers(scene, material, at);
-        if ((opacity >= 1.0) || ((opacity > 0.0) && (segment == EVERY_SURFACE))) {
-            return Hit(hit, index, instance);
-        }
-        if (opacity > 0.0) {
-            let triangle = u32(shape.top_radius);
-            let bits = pcg4d(vec4u(key.pixel, key.sample, (DIMENSION_OPACITY + Buffers_surface(scene, index).source), (((key.seed ^ (((segment * MAX_HITS_PER_OBJECT) + attempt) * 2654435769u)) ^ (triangle * 2246822519u)) ^ ((instance + 1u) * 3266489917u))));
-            if (unit_float(bits.x) < opacity) {
-                return Hit(hit, index, instance);
-            }
-        }
-        t_min = hit.t;
+    source: u32,
+    triangle: u32,
+    opacity: f32,
+) -> bool {
+    if (((opacity >= 1.0) || (opacity <= 0.0)) || (quest.segment == EVERY_SURFACE)) {
+        return (opacity > 0.0);
     }
-    return best;
+    let bits = pcg4d(vec4u(quest.key.pixel, quest.key.sample, (DIMENSION_OPACITY + source), (((quest.key.seed ^ (((quest.segment * MAX_HITS_PER_OBJECT) + attempt) * 2654435769u)) ^ (triangle * 2246822519u)) ^ ((instance + 1u) * 3266489917u))));
+    return (unit_float(bits.x) < opacity);
 }
 
 fn closest_hit_Buffers(scene: Buffers, ray: Ray, key: SampleKey, segment: u32) -> Hit {
-    let header = Buffers_header(scene);
-    var best = Hit(no_hit(), NONE, NONE);
-    var instance = NONE;
-    var local = ray;
-    var inverse = inverse_direction(ray.direction);
-    var waiting: u32 = 0u;
-    var stack: array<u32, 96> = array<u32, 96>();
-    var stacked: u32 = select(0u, 1u, (header.nodes > 0u));
-    var current = NONE;
-    var searching = true;
-    while searching {
-        var children = LeafPair(0u, header.unbounded_objects, 0u, 0u);
-        var t0 = NO_HIT;
-        var t1 = NO_HIT;
-        if (current != NONE) {
-            if ((current & INSTANCE_BIT) != 0u) {
-                instance = (current ^ INSTANCE_BIT);
-                let placement = Buffers_shape(scene, instance);
-                local = transform_ray(placement.object_from_world, ray);
-                inverse = inverse_direction(local.direction);
-                waiting = stacked;
-                current = placement.material;
-            }
-            let node = Buffers_node(scene, current);
-            t0 = box_entry(local.origin, inverse, node.min0, node.max0, best.shape.t);
-            t1 = box_entry(local.origin, inverse, node.min1, node.max1, best.shape.t);
-            children = reached_leaves(node, (t0 < NO_HIT), (t1 < NO_HIT));
-        }
-        for (var i = 0u; i < (children.count0 + children.count1); i++) {
-            if ((i < children.count0) || (t1 < best.shape.t)) {
-                best = closer_hit_Buffers(scene, instance, leaf_object(children, i), local, key, segment, best);
-            }
-        }
-        let descend0 = ((t0 < NO_HIT) && (children.count0 == 0u));
-        let descend1 = ((t1 < NO_HIT) && (children.count1 == 0u));
-        if (descend0 && descend1) {
-            let first = (t0 <= t1);
-            stack[u32(stacked)] = select(children.first0, children.first1, first);
-            stacked += 1u;
-            current = select(children.first1, children.first0, first);
-        } else if descend0 {
-            current = children.first0;
-        } else if descend1 {
-            current = children.first1;
-        } else {
-            if ((instance != NONE) && (stacked == waiting)) {
-                instance = NONE;
-                local = ray;
-                inverse = inverse_direction(ray.direction);
-            }
-            if (stacked > 0u) {
-                stacked -= 1u;
-                current = stack[u32(stacked)];
-            } else {
-                searching = false;
-            }
-        }
-    }
-    return best;
+    return search_Buffers(scene, ray, NO_HIT, Quest(SEARCH_HIT, key, segment)).hit;
 }
 
 fn hit_texture_point_Buffers(
@@ -2041,7 +2109,7 @@ fn hit_texture_point_Buffers(
 
 fn material_hit_Buffers(scene: Buffers, shape: ShapeRecord, ray: Ray, hit: ShapeHit) -> MaterialRecord {
     let material = Buffers_material(scene, shape.material);
-    if (material.back == NONE) {
+    if (!has_Buffers(scene, FEATURE_BACKS) || (material.back == NONE)) {
         return material;
     }
     let outward = object_normal(shape, hit.face, hit_point(shape, ray, hit));
@@ -2052,98 +2120,126 @@ fn material_hit_Buffers(scene: Buffers, shape: ShapeRecord, ray: Ray, hit: Shape
     return Buffers_material(scene, material.back);
 }
 
-fn object_transmittance_Buffers(
+fn meet_object_Buffers(
     scene: Buffers,
     instance: u32,
     index: u32,
     ray: Ray,
-    t_max: f32,
-    through_bodies: bool,
-) -> vec3f {
+    quest: Quest,
+    before: Found,
+) -> Found {
     let shape = Buffers_shape(scene, index);
-    var passed = vec3f(1.0, 1.0, 1.0);
+    var found = before;
     var t_min: f32 = 0.0;
-    for (var _attempt = 0u; _attempt < MAX_HITS_PER_OBJECT; _attempt++) {
-        let hit = intersect_shape(shape, ray, t_min, t_max);
+    for (var attempt = 0u; attempt < MAX_HITS_PER_OBJECT; attempt++) {
+        let hit = intersect_shape(Buffers_features(scene), shape, ray, t_min, found.hit.shape.t);
         if (hit.t >= NO_HIT) {
-            return passed;
+            return found;
         }
-        if ((shape.kind & FLAG_NOT_OPAQUE) == 0u) {
-            return vec3f(0.0, 0.0, 0.0);
+        var passes = vec3f(0.0, 0.0, 0.0);
+        if (has_Buffers(scene, FEATURE_HOLES) && ((shape.kind & FLAG_NOT_OPAQUE) != 0u)) {
+            let material = material_hit_Buffers(scene, shape, ray, hit);
+            let at = hit_texture_point_Buffers(scene, instance, index, shape, material, ray, hit);
+            let through_bodies = (quest.purpose == SEARCH_LIGHT_THROUGH_BODIES);
+            passes = surface_transmittance_Buffers(scene, material, at, through_bodies);
+            if (quest.purpose == SEARCH_HIT) {
+                let source = Buffers_surface(scene, index).source;
+                let opacity = (1.0 - smallest(passes));
+                let triangle = u32(shape.top_radius);
+                let met = is_met(quest, attempt, instance, source, triangle, opacity);
+                passes = select(vec3f(1.0, 1.0, 1.0), vec3f(0.0, 0.0, 0.0), met);
+            }
         }
-        let material = material_hit_Buffers(scene, shape, ray, hit);
-        let at = hit_texture_point_Buffers(scene, instance, index, shape, material, ray, hit);
-        passed *= surface_transmittance_Buffers(scene, material, at, through_bodies);
+        if (quest.purpose != SEARCH_HIT) {
+            found.passed *= passes;
+        }
+        if is_dark(passes) {
+            if (quest.purpose == SEARCH_HIT) {
+                found.hit = Hit(hit, index, instance);
+            }
+            return found;
+        }
         t_min = hit.t;
     }
-    return passed;
+    return found;
 }
 
-fn shadow_transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32, through_bodies: bool) -> vec3f {
+fn search_Buffers(scene: Buffers, ray: Ray, t_max: f32, quest: Quest) -> Found {
     let header = Buffers_header(scene);
-    var passed = vec3f(1.0, 1.0, 1.0);
+    let nothing = Hit(ShapeHit(t_max, 0u), NONE, NONE);
+    var found = Found(nothing, vec3f(1.0, 1.0, 1.0));
     var instance = NONE;
     var local = ray;
     var inverse = inverse_direction(ray.direction);
-    var waiting: u32 = 0u;
-    var stack: array<u32, 96> = array<u32, 96>();
-    var stacked: u32 = select(0u, 1u, (header.nodes > 0u));
-    var current = NONE;
+    var order = visiting_order(inverse);
+    var outside: u32 = 0u;
+    var stacked: u32 = 0u;
+    var children = vec2u(0u, 0u);
+    if (header.nodes > 0u) {
+        children = waiting_root(0u);
+    }
+    var unbounded: u32 = 0u;
     var searching = true;
     while searching {
-        var children = LeafPair(0u, header.unbounded_objects, 0u, 0u);
-        var reached0 = false;
-        var reached1 = false;
-        if (current != NONE) {
-            if ((current & INSTANCE_BIT) != 0u) {
-                instance = (current ^ INSTANCE_BIT);
-                let placement = Buffers_shape(scene, instance);
-                local = transform_ray(placement.object_from_world, ray);
-                inverse = inverse_direction(local.direction);
-                waiting = stacked;
-                current = placement.material;
+        var objects: u32 = 0u;
+        var first_object: u32 = 0u;
+        if any_waits(children) {
+            let index = next_node(children, order);
+            children = without_next(children);
+            if any_waits(children) {
+                stack_first[u32(stacked)] = children.x;
+                stack_bits[u32(stacked)] = children.y;
+                stacked += 1u;
             }
-            let node = Buffers_node(scene, current);
-            reached0 = (box_entry(local.origin, inverse, node.min0, node.max0, t_max) < NO_HIT);
-            reached1 = (box_entry(local.origin, inverse, node.min1, node.max1, t_max) < NO_HIT);
-            children = reached_leaves(node, reached0, reached1);
+            let node = Buffers_node(scene, index);
+            if (has_Buffers(scene, (1u << SHAPE_INSTANCE)) && (node.exponents == NODE_INSTANCE)) {
+                instance = node.first_object;
+                local = transform_ray(Buffers_shape(scene, instance).object_from_world, ray);
+                inverse = inverse_direction(local.direction);
+                order = visiting_order(inverse);
+                outside = stacked;
+                children = waiting_root(node.first_node);
+            } else {
+                let reached = Buffers__1reached_children(scene, index, local.origin, inverse, found.hit.shape.t);
+                children = waiting_children(node, reached, order);
+                first_object = node.first_object;
+                objects = leaf_objects(node, (reached & (255u ^ (node.exponents >> 24u))));
+            }
         }
-        for (var i = 0u; i < (children.count0 + children.count1); i++) {
-            let object = leaf_object(children, i);
-            passed *= object_transmittance_Buffers(scene, instance, object, local, t_max, through_bodies);
+        while ((objects != 0u) || (unbounded < header.unbounded_objects)) {
+            var index = unbounded;
+            if (unbounded < header.unbounded_objects) {
+                unbounded += 1u;
+            } else {
+                index = (first_object + countTrailingZeros(objects));
+                objects &= (objects - 1u);
+            }
+            found = meet_object_Buffers(scene, instance, index, local, quest, found);
+            if is_dark(found.passed) {
+                return found;
+            }
         }
-        let descend0 = (reached0 && (children.count0 == 0u));
-        let descend1 = (reached1 && (children.count1 == 0u));
-        if is_dark(passed) {
-            return passed;
-        }
-        if (descend0 && descend1) {
-            stack[u32(stacked)] = children.first1;
-            stacked += 1u;
-            current = children.first0;
-        } else if descend0 {
-            current = children.first0;
-        } else if descend1 {
-            current = children.first1;
-        } else {
-            if ((instance != NONE) && (stacked == waiting)) {
+        if !any_waits(children) {
+            if ((has_Buffers(scene, (1u << SHAPE_INSTANCE)) && (instance != NONE)) && (stacked == outside)) {
                 instance = NONE;
                 local = ray;
                 inverse = inverse_direction(ray.direction);
+                order = visiting_order(inverse);
             }
             if (stacked > 0u) {
                 stacked -= 1u;
-                current = stack[u32(stacked)];
+                children = vec2u(stack_first[u32(stacked)], stack_bits[u32(stacked)]);
             } else {
                 searching = false;
             }
         }
     }
-    return passed;
+    return found;
 }
 
-fn transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32) -> vec3f {
-    return shadow_transmittance_Buffers(scene, ray, t_max, false);
+fn shadow_transmittance_Buffers(scene: Buffers, ray: Ray, t_max: f32, through_bodies: bool) -> vec3f {
+    let purpose = select(SEARCH_LIGHT, SEARCH_LIGHT_THROUGH_BODIES, through_bodies);
+    return search_Buffers(scene, ray, t_max, light_quest(purpose)).passed;
 }
 
 struct SkyDirection {
@@ -2251,7 +2347,8 @@ fn distant_radiance_Buffers(scene: Buffers, light: LightRecord, direction: vec3f
         }
         return vec3f(0.0, 0.0, 0.0);
     }
-    if ((light.kind == LIGHT_SKY_MAP) || (light.kind == LIGHT_DAYLIGHT)) {
+    let tables = has_Buffers(scene, FEATURE_LIGHT_TABLES);
+    if (tables && ((light.kind == LIGHT_SKY_MAP) || (light.kind == LIGHT_DAYLIGHT))) {
         let local = to_light_axes(light, direction);
         if (light.kind == LIGHT_DAYLIGHT) {
             return daylight_radiance_Buffers(scene, light.program, local);
@@ -2404,12 +2501,13 @@ fn sample_light_Buffers(
     both_sides: bool,
     u: vec2f,
 ) -> LightSample {
-    if ((light.kind == LIGHT_SKY_MAP) || (light.kind == LIGHT_DAYLIGHT)) {
+    let tables = has_Buffers(scene, FEATURE_LIGHT_TABLES);
+    if (tables && ((light.kind == LIGHT_SKY_MAP) || (light.kind == LIGHT_DAYLIGHT))) {
         let sky = sample_table_Buffers(scene, light, u);
         return from_sky(sky, distant_radiance_Buffers(scene, light, sky.direction));
     }
     var sample = sample_plain_light(light, point, normal, both_sides, u);
-    if (light.kind == LIGHT_PHYSICAL) {
+    if (tables && (light.kind == LIGHT_PHYSICAL)) {
         sample.weight *= distribution_density_Buffers(scene, light, -sample.direction);
     }
     return sample;
@@ -2627,7 +2725,7 @@ fn placement_error(group_from_world: Affine, world_from_group: Affine, point: Su
 fn hit_surface_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> SurfacePoint {
     var shape = Buffers_shape(scene, hit.object);
     var surface = Buffers_surface(scene, hit.object);
-    if (hit.instance == NONE) {
+    if (!has_Buffers(scene, (1u << SHAPE_INSTANCE)) || (hit.instance == NONE)) {
         let flat_point = surface_point(shape, surface, ray, hit.shape);
         let normal = attribute_normal_Buffers(scene, shape, surface, flat_point);
         return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
@@ -2644,7 +2742,7 @@ fn hit_surface_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> SurfacePoint {
 
 fn hit_unit_point_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> vec3f {
     var local = ray;
-    if (hit.instance != NONE) {
+    if (has_Buffers(scene, (1u << SHAPE_INSTANCE)) && (hit.instance != NONE)) {
         local = transform_ray(Buffers_shape(scene, hit.instance).object_from_world, ray);
     }
     return hit_point(Buffers_shape(scene, hit.object), local, hit.shape);
@@ -2778,7 +2876,8 @@ fn trace_rays_Buffers(scene: Buffers, settings: LaunchSettings, key: SampleKey, 
             let front = (cos_front >= 0.0);
             let record = sided_material_Buffers(scene, shape.material, front);
             var at = uv_point(point.uv);
-            if (((record.flags & MATERIAL_USES_POSITION) != 0u) || (record.normal_map != NONE)) {
+            let looks_at_position = (((record.flags & MATERIAL_USES_POSITION) != 0u) || (record.normal_map != NONE));
+            if (has_Buffers(scene, FEATURE_POSITIONS) && looks_at_position) {
                 let p = hit_unit_point_Buffers(scene, ray, hit);
                 at = texture_point_Buffers(scene, hit.instance, shape, surface, record, p, point.uv);
                 point = with_normal_maps_Buffers(scene, hit, record, p, at, point);
@@ -3066,17 +3165,27 @@ fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
     return power_heuristic(previous.pdf, light_pdf);
 }
 
+struct DirectLight {
+    radiance: vec3f,
+    end: f32,
+    ray: Ray
+}
+
 struct PathState {
     radiance: vec3f,
     rays: u32,
     throughput: vec3f,
     touched: u32,
     ray: Ray,
+    follows: bool,
     segment: u32,
     media: Media,
     previous: PathVertex,
     event: u32,
     direct: vec3f,
+    shadow: Ray,
+    shadow_end: f32,
+    shadow_light: vec3f,
     goes_on: bool
 }
 const EVENT_ESCAPED: u32 = 4u;
@@ -3084,12 +3193,44 @@ const EVENT_STOPPED: u32 = 5u;
 const EVENT_STARTED: u32 = 6u;
 
 fn start_path(first: Ray) -> PathState {
-    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, 0u, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), true);
+    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, true, 0u, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), first, 0.0, vec3f(0.0, 0.0, 0.0), true);
 }
 
-fn trace_sample_Buffers(scene: Buffers, settings: LaunchSettings, key: SampleKey, ray: Ray) -> PathSample {
-    let traced = trace_rays_Buffers(scene, settings, key, ray);
-    return PathSample(traced.radiance, traced.rays);
+fn receive_light(before: PathState, passed: vec3f) -> PathState {
+    var path = before;
+    path.rays += 1u;
+    path.direct = (path.shadow_light * passed);
+    path.radiance += path.direct;
+    path.shadow_end = 0.0;
+    path.goes_on = path.follows;
+    return path;
+}
+
+fn add_sample(before: FilmPixel, radiance: vec3f, rays: u32) -> FilmPixel {
+    var film = before;
+    film.radiance += radiance;
+    film.squares += (radiance * radiance);
+    film.rays += rays;
+    return film;
+}
+
+fn add_samples_Buffers(
+    scene: Buffers,
+    settings: LaunchSettings,
+    x: u32,
+    y: u32,
+    count: u32,
+    before: FilmPixel,
+) -> FilmPixel {
+    let header = Buffers_header(scene);
+    var film = before;
+    for (var i = 0u; i < count; i++) {
+        let key = sample_key(settings, x, y, (settings.first_sample + i));
+        let ray = sampled_camera_ray(header, settings, key, x, y);
+        let traced = trace_rays_Buffers(scene, settings, key, ray);
+        film = add_sample(film, traced.radiance, traced.rays);
+    }
+    return film;
 }
 
 fn render_pixel_Buffers(
@@ -3099,17 +3240,8 @@ fn render_pixel_Buffers(
     y: u32,
     before: FilmPixel,
 ) -> FilmPixel {
-    let header = Buffers_header(scene);
-    var film = before;
     let count = launched_samples(settings, before.samples);
-    for (var i = 0u; i < count; i++) {
-        let key = sample_key(settings, x, y, (settings.first_sample + i));
-        let ray = sampled_camera_ray(header, settings, key, x, y);
-        let path = trace_sample_Buffers(scene, settings, key, ray);
-        film.radiance += path.radiance;
-        film.squares += (path.radiance * path.radiance);
-        film.rays += path.rays;
-    }
+    var film = add_samples_Buffers(scene, settings, x, y, count, before);
     if (settings.counted == 0u) {
         film.samples += count;
     }
@@ -3140,7 +3272,8 @@ fn add_first_hit_Buffers(scene: Buffers, key: SampleKey, ray: Ray, before: Layer
     let front = (dot(point.normal, wo) >= 0.0);
     let material = sided_material_Buffers(scene, shape.material, front);
     var at = uv_point(point.uv);
-    if (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE)) {
+    let looks_at_position = (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE));
+    if (has_Buffers(scene, FEATURE_POSITIONS) && looks_at_position) {
         let p = hit_unit_point_Buffers(scene, ray, hit);
         at = texture_point_Buffers(scene, hit.instance, shape, surface, material, p, point.uv);
         point = with_normal_maps_Buffers(scene, hit, material, p, at, point);
@@ -3201,6 +3334,11 @@ fn layers_of_pixel_Buffers(
 struct Buffers {
     unused: u32
 }
+const FEATURES: u32 = 262143u;
+
+fn Buffers_features(_scene: Buffers) -> u32 {
+    return FEATURES;
+}
 
 fn Buffers_header(_scene: Buffers) -> SceneHeader {
     return HEADER;
@@ -3208,6 +3346,16 @@ fn Buffers_header(_scene: Buffers) -> SceneHeader {
 
 fn Buffers_node(_scene: Buffers, index: u32) -> BvhNode {
     return NODES[u32(index)];
+}
+
+fn Buffers__1reached_children(
+    _scene: Buffers,
+    index: u32,
+    origin: vec3f,
+    inverse: vec3f,
+    t_max: f32,
+) -> u32 {
+    return reached_boxes(NODES[u32(index)], origin, inverse, t_max);
 }
 
 fn Buffers_shape(_scene: Buffers, index: u32) -> ShapeRecord {

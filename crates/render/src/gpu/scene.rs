@@ -1,8 +1,8 @@
 //! A scene in the memory of a graphics card.
 
-use super::Gpu;
 use super::tile::TileRenderer;
-use crate::{Batch, CompiledScene, DeviceError, LoadedScene, Progress, RenderSettings};
+use super::{Gpu, Program};
+use crate::{Batch, CompiledScene, DeviceError, LoadedScene, Progress, RenderSettings, Renderer};
 use kernels::records::kernel::{FilmPixel, LayerPixel, launched_samples};
 use std::sync::Arc;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
@@ -11,6 +11,8 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 pub(super) struct GpuScene {
     gpu: Arc<Gpu>,
     tables: Vec<wgpu::Buffer>,
+    /// What the tables contain.
+    features: u32,
 }
 
 impl GpuScene {
@@ -57,11 +59,15 @@ impl GpuScene {
         // Wait until the tables have arrived, so that a lack of memory shows here.
         gpu.queue.submit([]);
         wait(&gpu, "receiving the scene")?;
-        Ok(GpuScene { gpu, tables })
+        Ok(GpuScene { gpu, tables, features: scene.features })
     }
 }
 
 impl LoadedScene for GpuScene {
+    fn prepare(&self, renderer: Renderer) -> Result<(), DeviceError> {
+        self.gpu.pipeline(Program::samples(renderer, self.features)).map(|_| ())
+    }
+
     fn add_samples(
         &self,
         settings: &RenderSettings,
@@ -74,8 +80,8 @@ impl LoadedScene for GpuScene {
             let launch = batch.launch(settings);
             tile.iter().map(|pixel| launched_samples(launch, pixel.samples)).max().unwrap_or(0)
         };
-        TileRenderer::new(&self.gpu, self.gpu.pipeline(settings.renderer)?, &self.tables, settings)
-            .render(batch, pixels, progress, &most)
+        let pipeline = self.gpu.pipeline(Program::samples(settings.renderer, self.features))?;
+        TileRenderer::new(&self.gpu, &pipeline, &self.tables, settings).render(batch, pixels, progress, &most)
     }
 
     fn add_layers(
@@ -85,7 +91,8 @@ impl LoadedScene for GpuScene {
         pixels: &mut [LayerPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        TileRenderer::new(&self.gpu, self.gpu.layers_pipeline()?, &self.tables, settings).render(
+        let pipeline = self.gpu.pipeline(Program::layers(self.features))?;
+        TileRenderer::new(&self.gpu, &pipeline, &self.tables, settings).render(
             batch,
             pixels,
             progress,

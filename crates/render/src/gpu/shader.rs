@@ -4,12 +4,14 @@
 
 use super::assemble::StandIn;
 use crate::Renderer;
+use kernels::records::kernel::ALL_FEATURES;
 use wgsl_rs::wgsl;
 
 // Rust never calls the entry point; the graphics card does. The whole is validated where it is joined.
 #[allow(dead_code)]
 #[wgsl(skip_validation)]
 pub mod kernel {
+    use kernels::bvh::kernel::*;
     use kernels::layers::kernel::*;
     use kernels::path::kernel::*;
     use kernels::records::kernel::*;
@@ -34,12 +36,21 @@ pub mod kernel {
         pub unused: u32,
     }
 
+    /// What the scene may contain; programs for particular scenes have another number here.
+    pub const FEATURES: u32 = 262143;
+
     impl SceneAccess for Buffers {
+        fn features(_scene: Buffers) -> u32 {
+            FEATURES
+        }
         fn header(_scene: Buffers) -> SceneHeader {
             load!(HEADER)
         }
         fn node(_scene: Buffers, index: u32) -> BvhNode {
             get!(NODES)[index as usize]
+        }
+        fn reached_children(_scene: Buffers, index: u32, origin: Vec3f, inverse: Vec3f, t_max: f32) -> u32 {
+            reached_boxes(get!(NODES)[index as usize], origin, inverse, t_max)
         }
         fn shape(_scene: Buffers, index: u32) -> ShapeRecord {
             get!(OBJECTS)[index as usize].shape
@@ -103,13 +114,35 @@ pub mod kernel {
     }
 }
 
-/// The complete shader of a renderer.
+/// The complete shader of a renderer for scenes that have no other than the given features.
 ///
 /// # Errors
 /// If the kernels use something that cannot be written in WGSL; the tests exclude it.
-pub(super) fn source(renderer: Renderer) -> Result<String, String> {
-    let choice = StandIn { replaced: "trace_sample", by: renderer.kernel() };
-    super::assemble::assemble(&kernel::WGSL_SOURCE, choice)
+pub(super) fn source(renderer: Renderer, features: u32) -> Result<String, String> {
+    let choice = StandIn { replaced: "add_samples", by: renderer.kernel() };
+    let general = super::assemble::assemble(&kernel::WGSL_SOURCE, choice)?;
+    let declaration = |features: u32| format!("const FEATURES: u32 = {features}u;\n");
+    let particular = replaced(&general, &declaration(ALL_FEATURES), &declaration(features))?;
+    with_private_stacks(particular)
+}
+
+/// Moves the stacks of the search, of which there is one at a time, out of their function: there WGSL has them filled
+/// with zeros for every ray, here once.
+fn with_private_stacks(source: String) -> Result<String, String> {
+    let stacks = ["stack_first", "stack_bits"];
+    stacks.into_iter().try_fold(source, |source, stack| {
+        let local = format!("    var {stack}: array<u32, 48> = array<u32, 48>();\n");
+        let rest = replaced(&source, &local, "")?;
+        Ok(format!("var<private> {stack}: array<u32, 48>;\n{rest}"))
+    })
+}
+
+/// The text with the only occurrence of a piece replaced.
+fn replaced(text: &str, piece: &str, by: &str) -> Result<String, String> {
+    match text.split(piece).collect::<Vec<_>>()[..] {
+        [before, after] => Ok(format!("{before}{by}{after}")),
+        ref parts => Err(format!("`{}` occurs {} times instead of once", piece.trim(), parts.len() - 1)),
+    }
 }
 
 #[cfg(test)]
@@ -124,7 +157,7 @@ mod tests {
             [(Renderer::PathTracer, "path_tracer.wgsl"), (Renderer::RayTracer, "ray_tracer.wgsl")]
         {
             let path = format!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/gpu/{}"), file);
-            let source = super::source(renderer).unwrap();
+            let source = super::source(renderer, super::ALL_FEATURES).unwrap();
             if std::env::var_os("SUNSHINE_BLESS").is_some() {
                 std::fs::write(&path, &source).unwrap();
             }

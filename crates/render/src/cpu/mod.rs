@@ -1,10 +1,18 @@
 //! The CPU device: the kernels over slices, tiles spread over threads.
 
+mod reached;
+mod search;
+mod slices;
+
+pub use search::{RaySearch, ShadowRay};
+pub(crate) use slices::Slices;
+
 use crate::{Batch, CompiledScene, ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
 use kernels::layers::kernel::layers_of_pixel;
 use kernels::path::kernel::render_pixel;
-use kernels::records::kernel::*;
+use kernels::records::kernel::{ALL_FEATURES, FilmPixel, LayerPixel, launched_samples};
 use rayon::prelude::*;
+use slices::{PLAIN_FEATURES, ShapeLine, shape_lines};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -37,13 +45,16 @@ impl Device for Cpu {
     }
 
     fn load(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn LoadedScene>, DeviceError> {
-        Ok(Box::new(CpuScene { threads: Arc::clone(&self.threads), scene }))
+        let shapes = self.threads.install(|| shape_lines(&scene.objects));
+        Ok(Box::new(CpuScene { threads: Arc::clone(&self.threads), scene, shapes }))
     }
 }
 
 struct CpuScene {
     threads: Arc<rayon::ThreadPool>,
     scene: Arc<CompiledScene>,
+    /// Of every object.
+    shapes: Vec<ShapeLine>,
 }
 
 /// Height of the tiles that nobody has chosen a size for; they are as wide as the picture.
@@ -57,11 +68,15 @@ impl LoadedScene for CpuScene {
         pixels: &mut [FilmPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        let slices = Slices { scene: &self.scene };
         let launch = batch.launch(settings);
+        let is_plain = self.scene.features & !PLAIN_FEATURES == 0;
         self.for_pixels(settings, batch, pixels, progress, |x, y, pixel| {
             let taken = launched_samples(launch, pixel.samples);
-            *pixel = render_pixel(slices, launch, x, y, *pixel);
+            *pixel = if is_plain {
+                render_pixel(self.slices::<PLAIN_FEATURES>(), launch, x, y, *pixel)
+            } else {
+                render_pixel(self.slices::<ALL_FEATURES>(), launch, x, y, *pixel)
+            };
             taken
         })
     }
@@ -73,7 +88,7 @@ impl LoadedScene for CpuScene {
         pixels: &mut [LayerPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        let slices = Slices { scene: &self.scene };
+        let slices = self.slices::<ALL_FEATURES>();
         let launch = batch.launch(settings);
         self.for_pixels(settings, batch, pixels, progress, |x, y, pixel| {
             *pixel = layers_of_pixel(slices, launch, x, y, *pixel);
@@ -83,6 +98,10 @@ impl LoadedScene for CpuScene {
 }
 
 impl CpuScene {
+    fn slices<const FEATURES: u32>(&self) -> Slices<'_, FEATURES> {
+        Slices::new(&self.scene, &self.shapes)
+    }
+
     /// Calls `work` for every pixel, tiles spread over the threads; it returns the number of samples that it took.
     fn for_pixels<P: Send>(
         &self,
@@ -139,41 +158,4 @@ fn tiles_of<P>(band: &mut [P], width: usize, tile_width: usize) -> Vec<Vec<&mut 
         }
     }
     tiles
-}
-
-/// The kernels' view of a scene in main memory.
-#[derive(Clone, Copy)]
-pub(crate) struct Slices<'a> {
-    pub scene: &'a CompiledScene,
-}
-
-impl SceneAccess for Slices<'_> {
-    fn header(scene: Self) -> SceneHeader {
-        scene.scene.header
-    }
-    fn node(scene: Self, index: u32) -> BvhNode {
-        scene.scene.nodes[index as usize]
-    }
-    fn shape(scene: Self, index: u32) -> ShapeRecord {
-        scene.scene.objects[index as usize].shape
-    }
-    fn surface(scene: Self, index: u32) -> SurfaceRecord {
-        scene.scene.objects[index as usize].surface
-    }
-    fn material(scene: Self, index: u32) -> MaterialRecord {
-        scene.scene.materials[index as usize]
-    }
-    fn channel(scene: Self, index: u32) -> ChannelRecord {
-        scene.scene.channels[index as usize]
-    }
-    fn texel(scene: Self, index: u32) -> u32 {
-        scene.scene.texels[index as usize]
-    }
-    fn light(scene: Self, index: u32) -> LightRecord {
-        scene.scene.lights[index as usize]
-    }
-    fn attribute(scene: Self, index: u32) -> wgsl_rs::std::Vec4f {
-        let [x, y, z, w] = scene.scene.attributes[index as usize];
-        wgsl_rs::std::vec4f(x, y, z, w)
-    }
 }
