@@ -1,5 +1,6 @@
 //! What can be said on the command line.
 
+use crate::bench_arguments::{CompareArguments, MatrixArguments};
 use crate::camera_arguments::CameraArguments;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -295,6 +296,10 @@ pub struct BenchArguments {
 pub enum BenchCommand {
     /// Repeat the experiments of the thesis of 2008: tables beside its figures, curves and pictures
     Thesis(ThesisArguments),
+    /// Measure scenes on devices: seconds of every step, rays and samples per second, memory
+    Run(MatrixArguments),
+    /// Compare two files that `bench run` wrote
+    Compare(CompareArguments),
 }
 
 /// `sunshine bench thesis`.
@@ -350,7 +355,8 @@ impl Size {
     /// Longest edge in pixels.
     const MAXIMUM: u32 = 65536;
 
-    fn of(settings: &RenderSettings) -> Self {
+    /// That of the picture.
+    pub fn of(settings: &RenderSettings) -> Self {
         Size { width: settings.width, height: settings.height }
     }
 }
@@ -401,7 +407,7 @@ impl FromStr for Pixel {
 }
 
 /// A parser of whole numbers that says what is accepted.
-fn whole_number(range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, String> + Clone {
+pub fn whole_number(range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, String> + Clone {
     move |text| {
         let accepted = text.trim().parse().ok().filter(|number| range.contains(number));
         accepted.ok_or_else(|| match (range.start(), range.end()) {

@@ -1,4 +1,9 @@
-//! `sunshine bench`: experiments whose times are written beside known ones.
+//! `sunshine bench`: experiments whose times are written beside known ones, and measurements to compare.
+
+mod compare;
+mod machine;
+mod matrix;
+mod record;
 
 use crate::arguments::{BenchArguments, BenchCommand, ThesisArguments};
 use crate::failure::Failure;
@@ -9,10 +14,12 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use thesis::{Experiment, Machine, Scale};
 
-/// Runs the experiments and returns their tables.
+/// Measures and returns the tables.
 pub fn run(arguments: &BenchArguments) -> Result<String, Failure> {
     match &arguments.command {
         BenchCommand::Thesis(arguments) => thesis_experiments(arguments),
+        BenchCommand::Run(arguments) => matrix::run(arguments),
+        BenchCommand::Compare(arguments) => compare::run(arguments),
     }
 }
 

@@ -60,6 +60,22 @@ pub enum Failure {
         /// What the system says.
         source: io::Error,
     },
+    /// A file with measurements is missing.
+    #[error("{} cannot be read", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A file does not hold measurements.
+    #[error("{} is not a file that `sunshine bench run` wrote", path.display())]
+    Measurements {
+        /// The file.
+        path: PathBuf,
+        /// What was found in it, and where.
+        source: serde_json::Error,
+    },
     /// Standard output does not take any more.
     #[error("the answer cannot be printed")]
     Print(#[from] io::Error),

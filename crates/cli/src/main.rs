@@ -1,6 +1,7 @@
 //! `sunshine`: pictures of GroIMP plant models from the command line.
 
 mod arguments;
+mod bench_arguments;
 mod bench_command;
 mod camera_arguments;
 mod denoising;

@@ -135,7 +135,7 @@ pub fn count_text(count: f64) -> String {
 }
 
 /// The kernel's high-water mark of resident memory.
-fn peak_memory_bytes() -> Option<u64> {
+pub fn peak_memory_bytes() -> Option<u64> {
     // The file exists on Linux alone; elsewhere nothing is said rather than something else.
     high_water_mark(&std::fs::read_to_string("/proc/self/status").ok()?)
 }

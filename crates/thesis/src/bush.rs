@@ -20,10 +20,10 @@ const LEAF_FACTOR: f64 = 0.88;
 const LEAF_PIXELS: u32 = 256;
 
 /// Numbers that the growth draws.
-struct Draw(JavaRandom);
+pub(crate) struct Draw(pub(crate) JavaRandom);
 
 impl Draw {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * f64::from(self.0.next_float())
     }
 }

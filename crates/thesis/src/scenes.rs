@@ -47,7 +47,7 @@ pub fn scene(which: ThesisScene) -> Scene {
     scene
 }
 
-fn origin() -> Origin {
+pub(crate) fn origin() -> Origin {
     Origin { node: 0, type_name: TypeNameId(0) }
 }
 
@@ -55,7 +55,7 @@ fn diffuse(scene: &mut Scene, color: Rgb) -> MaterialId {
     scene.add_material(Material::Rgba { color, opacity: 1.0 })
 }
 
-fn point_light(scene: &mut Scene, position: DVec3, watts: f64) {
+pub(crate) fn point_light(scene: &mut Scene, position: DVec3, watts: f64) {
     scene.lights.push(Light {
         kind: LightKind::Point { power: [watts / 3.0; 3] },
         world_from_light: DAffine3::from_translation(position),
@@ -65,12 +65,12 @@ fn point_light(scene: &mut Scene, position: DVec3, watts: f64) {
     });
 }
 
-fn look(scene: &mut Scene, eye: [f64; 3], target: [f64; 3], degrees: f64) {
+pub(crate) fn look(scene: &mut Scene, eye: [f64; 3], target: [f64; 3], degrees: f64) {
     let (eye, target) = (DVec3::from_array(eye), DVec3::from_array(target));
     scene.camera = Camera::look_at(eye, target, DVec3::Z, degrees.to_radians());
 }
 
-fn ground(scene: &mut Scene, color: Rgb) {
+pub(crate) fn ground(scene: &mut Scene, color: Rgb) {
     let material = diffuse(scene, color);
     add(scene, Shape::Plane, DAffine3::IDENTITY, material);
 }

@@ -59,8 +59,8 @@ impl Display for Table {
     }
 }
 
-/// Seconds with three significant digits.
-pub(crate) fn seconds(value: f64) -> String {
+/// A positive number, such as seconds, with three significant digits; `-` if it is not positive.
+pub fn seconds(value: f64) -> String {
     if !value.is_finite() || value <= 0.0 {
         return "-".to_owned();
     }

@@ -1,0 +1,143 @@
+//! Scenes that are built in, from a handful of objects to a million, so that machines can be measured without files.
+
+use crate::bush::{Draw, add, add_bush, along_z};
+use crate::scenes::{ThesisScene, ground, look, origin, point_light, scene};
+use scene::{
+    Channel, DAffine3, DVec3, Group, Instance, JavaRandom, Light, LightKind, Material, Phong, Scene, Shape,
+    Sky, TypeNameId,
+};
+use std::f64::consts::{PI, TAU};
+
+/// A scene that is built in.
+#[derive(Clone, Copy, Debug)]
+pub struct BuiltIn {
+    /// What it is asked for by; bushes by their number of objects.
+    pub name: &'static str,
+    build: fn() -> Scene,
+}
+
+impl BuiltIn {
+    /// The scene of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        BUILT_IN.into_iter().find(|built_in| built_in.name == name)
+    }
+
+    /// Builds it, the same every time.
+    pub fn build(self) -> Scene {
+        (self.build)()
+    }
+}
+
+/// All of them, from few objects to many.
+pub const BUILT_IN: [BuiltIn; 8] = [
+    BuiltIn { name: "cornell-box", build: || scene(ThesisScene::CornellBox) },
+    BuiltIn { name: "bush-7", build: || scene(ThesisScene::Bush(1)) },
+    BuiltIn { name: "bush-25", build: || scene(ThesisScene::Bush(2)) },
+    BuiltIn { name: "bush-85", build: || scene(ThesisScene::Bush(3)) },
+    BuiltIn { name: "bush-271", build: || scene(ThesisScene::Bush(4)) },
+    BuiltIn { name: "bush-841", build: || scene(ThesisScene::Bush(5)) },
+    BuiltIn { name: "canopy", build: canopy },
+    BuiltIn { name: "plantation", build: plantation },
+];
+
+/// Number of leaves of the canopy.
+const LEAVES: u32 = 100_000;
+/// Its edge in metres, and the area of all leaves per area of ground.
+const CANOPY_EDGE: f64 = 10.0;
+const LEAF_AREA_INDEX: f64 = 3.0;
+/// Bushes of the plantation: in a row, and rows. With 840 objects each and the ground they make 999,601 objects.
+const COLUMNS: u32 = 35;
+const ROWS: u32 = 34;
+/// Steps of growth of each bush.
+const STEPS: i32 = 5;
+
+fn empty() -> Scene {
+    Scene { type_names: vec!["thesis".to_owned()], ..Scene::default() }
+}
+
+/// Square leaves in all positions and directions in a layer 2 m high, which let light through, under sun and sky.
+fn canopy() -> Scene {
+    let mut scene = empty();
+    ground(&mut scene, [0.18, 0.14, 0.10]);
+    let reflected = scene.add_channel(Channel::Constant([0.10, 0.50, 0.10]));
+    let transmitted = scene.add_channel(Channel::Constant([0.05, 0.40, 0.05]));
+    let leaf = scene.add_material(Material::Phong(Phong {
+        diffuse: Some(reflected),
+        diffuse_transparency: Some(transmitted),
+        ..Phong::default()
+    }));
+    let edge = (LEAF_AREA_INDEX * CANOPY_EDGE * CANOPY_EDGE / f64::from(LEAVES)).sqrt();
+    let shape = Shape::Parallelogram { length: edge, axis: DVec3::new(0.5 * edge, 0.0, 0.0), scale_v: false };
+    let mut draw = Draw(JavaRandom::new(2024));
+    for _ in 0..LEAVES {
+        let half = 0.5 * CANOPY_EDGE;
+        let centre = DVec3::new(draw.between(-half, half), draw.between(-half, half), draw.between(0.1, 2.1));
+        // Uniformly distributed rotations: Euler angles about z, y and z, the middle one with a uniform cosine.
+        let turn = DAffine3::from_rotation_z(draw.between(0.0, TAU))
+            * DAffine3::from_rotation_y(draw.between(-1.0, 1.0).acos())
+            * DAffine3::from_rotation_z(draw.between(0.0, TAU));
+        add(
+            &mut scene,
+            shape.clone(),
+            DAffine3::from_translation(centre) * turn * along_z(-0.5 * edge),
+            leaf,
+        );
+    }
+    scene.lights.push(Light {
+        kind: LightKind::Directional { irradiance: [3.0, 2.9, 2.7] },
+        // It shines along the local z axis: down, at 60 degrees above the horizon.
+        world_from_light: DAffine3::from_rotation_z(0.6) * DAffine3::from_rotation_x(PI - 0.52),
+        attenuation: Default::default(),
+        shadowless: false,
+        origin: origin(),
+    });
+    scene.sky = Some(Sky::uniform([0.30, 0.36, 0.45], origin()));
+    look(&mut scene, [0.0, -9.5, 7.0], [0.0, 0.0, 0.9], 50.0);
+    scene
+}
+
+/// One bush, placed so often that there are about a million objects.
+fn plantation() -> Scene {
+    let mut scene = empty();
+    add_bush(&mut scene, STEPS);
+    let objects = std::mem::take(&mut scene.objects);
+    let group = scene.add_group(Group { objects, ..Group::default() });
+    ground(&mut scene, [0.33, 0.29, 0.22]);
+    let mut draw = Draw(JavaRandom::new(99));
+    for number in 0..COLUMNS * ROWS {
+        let column = f64::from(number % COLUMNS) - 0.5 * f64::from(COLUMNS - 1);
+        let row = f64::from(number / COLUMNS) - 0.5 * f64::from(ROWS - 1);
+        let foot =
+            DVec3::new(1.5 * column + draw.between(-0.25, 0.25), 1.5 * row + draw.between(-0.25, 0.25), 0.0);
+        let world_from_group = DAffine3::from_translation(foot)
+            * DAffine3::from_rotation_z(draw.between(0.0, TAU))
+            * DAffine3::from_scale(DVec3::splat(draw.between(0.85, 1.15)));
+        let origin = scene::Origin { node: i64::from(number), type_name: TypeNameId(0) };
+        scene.instances.push(Instance { group, world_from_group, origin });
+    }
+    point_light(&mut scene, DVec3::new(-20.0, -25.0, 35.0), 190_000.0);
+    scene.sky = Some(Sky::uniform([0.35, 0.42, 0.55], origin()));
+    look(&mut scene, [-8.0, -38.0, 14.0], [0.0, -6.0, 0.5], 50.0);
+    scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_numbers_of_objects_agree() {
+        for (name, objects) in
+            [("bush-7", 7), ("bush-841", 841), ("canopy", 100_001), ("plantation", 999_601)]
+        {
+            assert_eq!(BuiltIn::named(name).unwrap().build().drawn_objects(), objects, "{name}");
+        }
+        assert!(BuiltIn::named("bush").is_none());
+    }
+
+    #[test]
+    fn the_canopy_is_lit_from_above() {
+        let sun = &canopy().lights[0];
+        assert!(sun.world_from_light.transform_vector3(DVec3::Z).z < -0.8);
+    }
+}
