@@ -1,6 +1,6 @@
 //! What can be said after `sunshine bench run` and `sunshine bench compare`.
 
-use crate::arguments::{Size, whole_number};
+use crate::option_values::{Size, whole_number};
 use clap::Args;
 use render::{DeviceChoice, RenderSettings};
 use std::path::PathBuf;

@@ -8,6 +8,7 @@ mod denoising;
 mod devices_command;
 mod failure;
 mod info_command;
+mod option_values;
 mod progress;
 mod render_command;
 mod statistics;

@@ -1,8 +1,9 @@
 //! `sunshine render`: from a scene file to a picture file.
 
-use crate::arguments::{Pixel, RenderArguments};
+use crate::arguments::RenderArguments;
 use crate::denoising::Denoiser;
 use crate::failure::Failure;
+use crate::option_values::Pixel;
 use crate::progress::{Messages, RenderProgress};
 use crate::statistics::{Seconds, Statistics, count_text, duration_text, timed};
 use render::{

@@ -26,6 +26,7 @@ pub mod medium;
 pub mod mesh;
 pub mod noise;
 pub mod path;
+pub mod pixel;
 pub mod random;
 pub mod raytrace;
 pub mod reconstruction;

@@ -92,6 +92,27 @@ pub mod kernel {
         key
     }
 
+    /// The key of another sample of the same pixel; what the samples of a sequence share is not computed again.
+    pub fn key_of_sample(
+        settings: LaunchSettings,
+        x: u32,
+        y: u32,
+        other: SampleKey,
+        sample: u32,
+    ) -> SampleKey {
+        let bits = settings.sequence_bits;
+        if settings.sampler == SAMPLER_SOBOL && (sample >> bits) != (other.sample >> bits) {
+            return sample_key(settings, x, y, sample);
+        }
+        let mut key = other;
+        key.sample = sample;
+        if settings.sampler == SAMPLER_SOBOL {
+            let within = (1u32 << bits) - 1u32;
+            key.index = (other.index & (4294967295u32 ^ within)) | (sample & within);
+        }
+        key
+    }
+
     /// Four numbers, uniform in [0, 1) and well distributed together over the samples of a pixel, or independent.
     /// Those of different dimensions are independent.
     pub fn random4(key: SampleKey, dimension: u32) -> Vec4f {
@@ -178,6 +199,26 @@ mod tests {
         assert!(correlation(&|i| (random4(key(5, i), 1).x, random4(key(5, i), 1).y)) < limit);
         // The measure itself notices correlated numbers.
         assert!(correlation(&|i| (random4(key(i, 0), 1).x, random4(key(i, 0), 1).x)) > limit);
+    }
+
+    #[test]
+    fn keys_from_other_keys_are_those_of_the_samples() {
+        use crate::records::kernel::LaunchSettings;
+        for (sampler, sequence_bits) in [(SAMPLER_INDEPENDENT, 3), (SAMPLER_SOBOL, 3), (SAMPLER_SOBOL, 0)] {
+            let settings: LaunchSettings = LaunchSettings {
+                width: 100,
+                height: 80,
+                seed: 9,
+                sampler,
+                sequence_bits,
+                ..bytemuck::Zeroable::zeroed()
+            };
+            let mut key = sample_key(settings, 17, 33, 5);
+            for sample in [6, 7, 8, 5, 40, 41, 1000] {
+                key = key_of_sample(settings, 17, 33, key, sample);
+                assert_eq!(format!("{key:?}"), format!("{:?}", sample_key(settings, 17, 33, sample)));
+            }
+        }
     }
 
     #[test]

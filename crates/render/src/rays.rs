@@ -2,7 +2,7 @@
 
 use crate::cpu::{Cpu, Slices};
 use crate::{CompiledScene, RenderSettings};
-use kernels::path::kernel::trace_sample;
+use kernels::pixel::kernel::trace_sample;
 use kernels::random::kernel::sample_key;
 use kernels::records::kernel::LaunchSettings;
 use kernels::shape::kernel::Ray;

@@ -9,7 +9,7 @@ pub(crate) use slices::Slices;
 
 use crate::{Batch, CompiledScene, ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
 use kernels::layers::kernel::layers_of_pixel;
-use kernels::path::kernel::render_pixel;
+use kernels::pixel::kernel::render_pixel;
 use kernels::records::kernel::{ALL_FEATURES, FilmPixel, LayerPixel, launched_samples};
 use rayon::prelude::*;
 use slices::{PLAIN_FEATURES, ShapeLine, shape_lines};

@@ -796,6 +796,26 @@ fn sample_key(settings: LaunchSettings, x: u32, y: u32, sample: u32) -> SampleKe
     return key;
 }
 
+fn key_of_sample(
+    settings: LaunchSettings,
+    x: u32,
+    y: u32,
+    other: SampleKey,
+    sample: u32,
+) -> SampleKey {
+    let bits = settings.sequence_bits;
+    if ((settings.sampler == SAMPLER_SOBOL) && ((sample >> bits) != (other.sample >> bits))) {
+        return sample_key(settings, x, y, sample);
+    }
+    var key = other;
+    key.sample = sample;
+    if (settings.sampler == SAMPLER_SOBOL) {
+        let within = ((1u << bits) - 1u);
+        key.index = ((other.index & (4294967295u ^ within)) | (sample & within));
+    }
+    return key;
+}
+
 fn random4(key: SampleKey, dimension: u32) -> vec4f {
     let sobol = (key.index_mask != 0u);
     let first = select(key.pixel, key.scramble, sobol);
@@ -2825,151 +2845,6 @@ fn total_importance_Buffers(scene: Buffers, point: vec3f) -> f32 {
     return sum_of_importances_Buffers(scene, 0u, Buffers_header(scene).lights, point);
 }
 
-const FILTER_BOX: u32 = 0u;
-const FILTER_TENT: u32 = 1u;
-const FILTER_GAUSSIAN: u32 = 2u;
-const FILTER_BLACKMAN_HARRIS: u32 = 3u;
-const GAUSSIAN_SIGMA: f32 = 0.5;
-const GAUSSIAN_SHARE: f32 = 0.9973002;
-const BLACKMAN_HARRIS_RADIUS: f32 = 1.5;
-
-fn inverse_erf(y: f32) -> f32 {
-    let w = -log(((1.0 - y) * (1.0 + y)));
-    if (w < 5.0) {
-        let t = (w - 2.5);
-        var p: f32 = 0.0000000281022636;
-        p = (0.000000343273939 + (p * t));
-        p = (-0.0000035233877 + (p * t));
-        p = (-0.00000439150654 + (p * t));
-        p = (0.00021858087 + (p * t));
-        p = (-0.00125372503 + (p * t));
-        p = (-0.00417768164 + (p * t));
-        p = (0.246640727 + (p * t));
-        return ((1.50140941 + (p * t)) * y);
-    }
-    let t = (sqrt(w) - 3.0);
-    var p: f32 = -0.000200214257;
-    p = (0.000100950558 + (p * t));
-    p = (0.00134934322 + (p * t));
-    p = (-0.00367342844 + (p * t));
-    p = (0.00573950773 + (p * t));
-    p = (-0.0076224613 + (p * t));
-    p = (0.00943887047 + (p * t));
-    p = (1.00167406 + (p * t));
-    return ((2.83297682 + (p * t)) * y);
-}
-
-fn blackman_harris_pdf(x: f32) -> f32 {
-    let angle = (3.14159265358979 * x);
-    return (0.5 + ((((0.48829 * cos(angle)) + (0.14128 * cos((2.0 * angle)))) + (0.01168 * cos((3.0 * angle)))) / 0.7175));
-}
-
-fn blackman_harris_cdf(x: f32) -> f32 {
-    let angle = (3.14159265358979 * x);
-    let waves = (((0.48829 * sin(angle)) + (0.07064 * sin((2.0 * angle)))) + (0.00389333 * sin((3.0 * angle))));
-    return ((0.5 + (0.5 * x)) + (waves / (3.14159265358979 * 0.7175)));
-}
-
-fn inverse_blackman_harris(u: f32) -> f32 {
-    var low: f32 = -1.0;
-    var high: f32 = 1.0;
-    var x = clamp((0.3917 * inverse_erf((((2.0 * u) - 1.0) * 0.9999))), -0.95, 0.95);
-    for (var _step = 0; _step < 8; _step++) {
-        let error = (blackman_harris_cdf(x) - u);
-        if (error > 0.0) {
-            high = x;
-        } else {
-            low = x;
-        }
-        let next = (x - (error / max(blackman_harris_pdf(x), 0.0001)));
-        x = select((0.5 * (low + high)), next, ((next >= low) && (next <= high)));
-    }
-    return x;
-}
-
-fn filter_offset(kind: u32, u: f32) -> f32 {
-    if (kind == FILTER_TENT) {
-        if (u < 0.5) {
-            return (sqrt((2.0 * u)) - 1.0);
-        }
-        return (1.0 - sqrt((2.0 - (2.0 * u))));
-    }
-    if (kind == FILTER_GAUSSIAN) {
-        return ((1.41421356 * GAUSSIAN_SIGMA) * inverse_erf((((2.0 * u) - 1.0) * GAUSSIAN_SHARE)));
-    }
-    if (kind == FILTER_BLACKMAN_HARRIS) {
-        return (BLACKMAN_HARRIS_RADIUS * inverse_blackman_harris(u));
-    }
-    return (u - 0.5);
-}
-
-fn filter_position(kind: u32, u: vec2f) -> vec2f {
-    if (kind == FILTER_BOX) {
-        return u;
-    }
-    return vec2f((0.5 + filter_offset(kind, u.x)), (0.5 + filter_offset(kind, u.y)));
-}
-
-fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> Ray {
-    return lens_ray(header, settings, x, y, vec2f(0.0, 0.0));
-}
-
-fn lens_ray(
-    header: SceneHeader,
-    settings: LaunchSettings,
-    x: f32,
-    y: f32,
-    lens: vec2f,
-) -> Ray {
-    let width = f32(settings.width);
-    let image_x = ((((2.0 * x) - width) / width) * header.view_scale_x);
-    let image_y = (((f32(settings.height) - (2.0 * y)) / width) * header.view_scale_y);
-    let shift = (lens * header.lens_radius);
-    let slope = (shift * header.vergence);
-    if (header.camera == CAMERA_PARALLEL) {
-        let start = (shift + (slope * header.start_distance));
-        return Ray(transform_point(header.world_from_view, vec3f((image_x + start.x), (image_y + start.y), header.start_distance)), normalize(transform_vector(header.world_from_view, vec3f(-slope.x, -slope.y, -1.0))));
-    }
-    let direction = vec3f((image_x - slope.x), (image_y - slope.y), -1.0);
-    return Ray(transform_point(header.world_from_view, vec3f(shift.x, shift.y, 0.0)), normalize(transform_vector(header.world_from_view, direction)));
-}
-
-fn concentric_disc(u: vec2f) -> vec2f {
-    let a = ((2.0 * u.x) - 1.0);
-    let b = ((2.0 * u.y) - 1.0);
-    if ((a == 0.0) && (b == 0.0)) {
-        return vec2f(0.0, 0.0);
-    }
-    let quarter_pi: f32 = 0.785398163397448;
-    if (abs(a) > abs(b)) {
-        let angle = (quarter_pi * (b / a));
-        return vec2f((a * cos(angle)), (a * sin(angle)));
-    }
-    let angle = (quarter_pi * (a / b));
-    return vec2f((b * sin(angle)), (b * cos(angle)));
-}
-
-fn sampled_camera_ray(
-    header: SceneHeader,
-    settings: LaunchSettings,
-    key: SampleKey,
-    x: u32,
-    y: u32,
-) -> Ray {
-    let numbers = camera_numbers(key, settings.grid);
-    let position = filter_position(settings.reconstruction, vec2f(numbers.x, numbers.y));
-    var lens = vec2f(0.0, 0.0);
-    if (header.lens_radius > 0.0) {
-        lens = concentric_disc(vec2f(numbers.z, numbers.w));
-    }
-    return lens_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y), lens);
-}
-
-struct PathSample {
-    radiance: vec3f,
-    rays: u32
-}
-
 struct PathVertex {
     position: vec3f,
     normal: vec3f,
@@ -3027,42 +2902,6 @@ fn receive_light(before: PathState, passed: vec3f) -> PathState {
     path.shadow_end = 0.0;
     path.goes_on = path.follows;
     return path;
-}
-
-fn add_sample(before: FilmPixel, radiance: vec3f, rays: u32) -> FilmPixel {
-    var film = before;
-    film.radiance += radiance;
-    film.squares += (radiance * radiance);
-    film.rays += rays;
-    return film;
-}
-
-fn add_samples_Buffers(
-    scene: Buffers,
-    settings: LaunchSettings,
-    x: u32,
-    y: u32,
-    count: u32,
-    before: FilmPixel,
-) -> FilmPixel {
-    let header = Buffers_header(scene);
-    var film = before;
-    var started: u32 = 0u;
-    var key = sample_key(settings, x, y, settings.first_sample);
-    var path = start_path(Ray(vec3f(0.0, 0.0, 0.0), vec3f(0.0, 0.0, 1.0)));
-    path.goes_on = false;
-    while ((started < count) || path.goes_on) {
-        if !path.goes_on {
-            key = sample_key(settings, x, y, (settings.first_sample + started));
-            path = start_path(sampled_camera_ray(header, settings, key, x, y));
-            started += 1u;
-        }
-        path = extend_path_Buffers(scene, key, settings.depth, settings.background, path);
-        if !path.goes_on {
-            film = add_sample(film, path.radiance, path.rays);
-        }
-    }
-    return film;
 }
 
 fn direct_light_Buffers(
@@ -3281,6 +3120,187 @@ fn meet_surface_Buffers(
     }
     path.goes_on = (path.goes_on || path.follows);
     return path;
+}
+
+const FILTER_BOX: u32 = 0u;
+const FILTER_TENT: u32 = 1u;
+const FILTER_GAUSSIAN: u32 = 2u;
+const FILTER_BLACKMAN_HARRIS: u32 = 3u;
+const GAUSSIAN_SIGMA: f32 = 0.5;
+const GAUSSIAN_SHARE: f32 = 0.9973002;
+const BLACKMAN_HARRIS_RADIUS: f32 = 1.5;
+
+fn inverse_erf(y: f32) -> f32 {
+    let w = -log(((1.0 - y) * (1.0 + y)));
+    if (w < 5.0) {
+        let t = (w - 2.5);
+        var p: f32 = 0.0000000281022636;
+        p = (0.000000343273939 + (p * t));
+        p = (-0.0000035233877 + (p * t));
+        p = (-0.00000439150654 + (p * t));
+        p = (0.00021858087 + (p * t));
+        p = (-0.00125372503 + (p * t));
+        p = (-0.00417768164 + (p * t));
+        p = (0.246640727 + (p * t));
+        return ((1.50140941 + (p * t)) * y);
+    }
+    let t = (sqrt(w) - 3.0);
+    var p: f32 = -0.000200214257;
+    p = (0.000100950558 + (p * t));
+    p = (0.00134934322 + (p * t));
+    p = (-0.00367342844 + (p * t));
+    p = (0.00573950773 + (p * t));
+    p = (-0.0076224613 + (p * t));
+    p = (0.00943887047 + (p * t));
+    p = (1.00167406 + (p * t));
+    return ((2.83297682 + (p * t)) * y);
+}
+
+fn blackman_harris_pdf(x: f32) -> f32 {
+    let angle = (3.14159265358979 * x);
+    return (0.5 + ((((0.48829 * cos(angle)) + (0.14128 * cos((2.0 * angle)))) + (0.01168 * cos((3.0 * angle)))) / 0.7175));
+}
+
+fn blackman_harris_cdf(x: f32) -> f32 {
+    let angle = (3.14159265358979 * x);
+    let waves = (((0.48829 * sin(angle)) + (0.07064 * sin((2.0 * angle)))) + (0.00389333 * sin((3.0 * angle))));
+    return ((0.5 + (0.5 * x)) + (waves / (3.14159265358979 * 0.7175)));
+}
+
+fn inverse_blackman_harris(u: f32) -> f32 {
+    var low: f32 = -1.0;
+    var high: f32 = 1.0;
+    var x = clamp((0.3917 * inverse_erf((((2.0 * u) - 1.0) * 0.9999))), -0.95, 0.95);
+    for (var _step = 0; _step < 8; _step++) {
+        let error = (blackman_harris_cdf(x) - u);
+        if (error > 0.0) {
+            high = x;
+        } else {
+            low = x;
+        }
+        let next = (x - (error / max(blackman_harris_pdf(x), 0.0001)));
+        x = select((0.5 * (low + high)), next, ((next >= low) && (next <= high)));
+    }
+    return x;
+}
+
+fn filter_offset(kind: u32, u: f32) -> f32 {
+    if (kind == FILTER_TENT) {
+        if (u < 0.5) {
+            return (sqrt((2.0 * u)) - 1.0);
+        }
+        return (1.0 - sqrt((2.0 - (2.0 * u))));
+    }
+    if (kind == FILTER_GAUSSIAN) {
+        return ((1.41421356 * GAUSSIAN_SIGMA) * inverse_erf((((2.0 * u) - 1.0) * GAUSSIAN_SHARE)));
+    }
+    if (kind == FILTER_BLACKMAN_HARRIS) {
+        return (BLACKMAN_HARRIS_RADIUS * inverse_blackman_harris(u));
+    }
+    return (u - 0.5);
+}
+
+fn filter_position(kind: u32, u: vec2f) -> vec2f {
+    if (kind == FILTER_BOX) {
+        return u;
+    }
+    return vec2f((0.5 + filter_offset(kind, u.x)), (0.5 + filter_offset(kind, u.y)));
+}
+
+fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> Ray {
+    return lens_ray(header, settings, x, y, vec2f(0.0, 0.0));
+}
+
+fn lens_ray(
+    header: SceneHeader,
+    settings: LaunchSettings,
+    x: f32,
+    y: f32,
+    lens: vec2f,
+) -> Ray {
+    let width = f32(settings.width);
+    let image_x = ((((2.0 * x) - width) / width) * header.view_scale_x);
+    let image_y = (((f32(settings.height) - (2.0 * y)) / width) * header.view_scale_y);
+    let shift = (lens * header.lens_radius);
+    let slope = (shift * header.vergence);
+    if (header.camera == CAMERA_PARALLEL) {
+        let start = (shift + (slope * header.start_distance));
+        return Ray(transform_point(header.world_from_view, vec3f((image_x + start.x), (image_y + start.y), header.start_distance)), normalize(transform_vector(header.world_from_view, vec3f(-slope.x, -slope.y, -1.0))));
+    }
+    let direction = vec3f((image_x - slope.x), (image_y - slope.y), -1.0);
+    return Ray(transform_point(header.world_from_view, vec3f(shift.x, shift.y, 0.0)), normalize(transform_vector(header.world_from_view, direction)));
+}
+
+fn concentric_disc(u: vec2f) -> vec2f {
+    let a = ((2.0 * u.x) - 1.0);
+    let b = ((2.0 * u.y) - 1.0);
+    if ((a == 0.0) && (b == 0.0)) {
+        return vec2f(0.0, 0.0);
+    }
+    let quarter_pi: f32 = 0.785398163397448;
+    if (abs(a) > abs(b)) {
+        let angle = (quarter_pi * (b / a));
+        return vec2f((a * cos(angle)), (a * sin(angle)));
+    }
+    let angle = (quarter_pi * (a / b));
+    return vec2f((b * sin(angle)), (b * cos(angle)));
+}
+
+fn sampled_camera_ray(
+    header: SceneHeader,
+    settings: LaunchSettings,
+    key: SampleKey,
+    x: u32,
+    y: u32,
+) -> Ray {
+    let numbers = camera_numbers(key, settings.grid);
+    let position = filter_position(settings.reconstruction, vec2f(numbers.x, numbers.y));
+    var lens = vec2f(0.0, 0.0);
+    if (header.lens_radius > 0.0) {
+        lens = concentric_disc(vec2f(numbers.z, numbers.w));
+    }
+    return lens_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y), lens);
+}
+
+struct PathSample {
+    radiance: vec3f,
+    rays: u32
+}
+
+fn add_sample(before: FilmPixel, radiance: vec3f, rays: u32) -> FilmPixel {
+    var film = before;
+    film.radiance += radiance;
+    film.squares += (radiance * radiance);
+    film.rays += rays;
+    return film;
+}
+
+fn add_samples_Buffers(
+    scene: Buffers,
+    settings: LaunchSettings,
+    x: u32,
+    y: u32,
+    count: u32,
+    before: FilmPixel,
+) -> FilmPixel {
+    let header = Buffers_header(scene);
+    var film = before;
+    var started: u32 = 0u;
+    var key = sample_key(settings, x, y, settings.first_sample);
+    var path = start_path(Ray(vec3f(0.0, 0.0, 0.0), vec3f(0.0, 0.0, 1.0)));
+    path.goes_on = false;
+    while ((started < count) || path.goes_on) {
+        if !path.goes_on {
+            key = key_of_sample(settings, x, y, key, (settings.first_sample + started));
+            path = start_path(sampled_camera_ray(header, settings, key, x, y));
+            started += 1u;
+        }
+        path = extend_path_Buffers(scene, key, settings.depth, settings.background, path);
+        if !path.goes_on {
+            film = add_sample(film, path.radiance, path.rays);
+        }
+    }
+    return film;
 }
 
 fn render_pixel_Buffers(

@@ -796,6 +796,26 @@ fn sample_key(settings: LaunchSettings, x: u32, y: u32, sample: u32) -> SampleKe
     return key;
 }
 
+fn key_of_sample(
+    settings: LaunchSettings,
+    x: u32,
+    y: u32,
+    other: SampleKey,
+    sample: u32,
+) -> SampleKey {
+    let bits = settings.sequence_bits;
+    if ((settings.sampler == SAMPLER_SOBOL) && ((sample >> bits) != (other.sample >> bits))) {
+        return sample_key(settings, x, y, sample);
+    }
+    var key = other;
+    key.sample = sample;
+    if (settings.sampler == SAMPLER_SOBOL) {
+        let within = ((1u << bits) - 1u);
+        key.index = ((other.index & (4294967295u ^ within)) | (sample & within));
+    }
+    return key;
+}
+
 fn random4(key: SampleKey, dimension: u32) -> vec4f {
     let sobol = (key.index_mask != 0u);
     let first = select(key.pixel, key.scramble, sobol);
@@ -3002,6 +3022,65 @@ fn light_importance(light: LightRecord, point: vec3f) -> f32 {
     return light.importance;
 }
 
+struct PathVertex {
+    position: vec3f,
+    normal: vec3f,
+    both_sides: bool,
+    pdf: f32,
+    importance: f32
+}
+const ROULETTE_START: u32 = 3u;
+const MAX_SEGMENTS: u32 = 512u;
+const SHADOW_END: f32 = 0.9999;
+
+fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
+    if (previous.pdf <= 0.0) {
+        return 1.0;
+    }
+    return power_heuristic(previous.pdf, light_pdf);
+}
+
+struct DirectLight {
+    radiance: vec3f,
+    end: f32,
+    ray: Ray
+}
+
+struct PathState {
+    radiance: vec3f,
+    rays: u32,
+    throughput: vec3f,
+    touched: u32,
+    ray: Ray,
+    follows: bool,
+    segment: u32,
+    media: Media,
+    previous: PathVertex,
+    event: u32,
+    direct: vec3f,
+    shadow: Ray,
+    shadow_end: f32,
+    shadow_light: vec3f,
+    goes_on: bool
+}
+const EVENT_ESCAPED: u32 = 4u;
+const EVENT_STOPPED: u32 = 5u;
+const EVENT_STARTED: u32 = 6u;
+
+fn start_path(first: Ray) -> PathState {
+    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, true, 0u, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), first, 0.0, vec3f(0.0, 0.0, 0.0), true);
+}
+
+fn receive_light(before: PathState, passed: vec3f) -> PathState {
+    var path = before;
+    path.rays += 1u;
+    path.direct = (path.shadow_light * passed);
+    path.radiance += path.direct;
+    path.shadow_end = 0.0;
+    path.goes_on = path.follows;
+    return path;
+}
+
 const FILTER_BOX: u32 = 0u;
 const FILTER_TENT: u32 = 1u;
 const FILTER_GAUSSIAN: u32 = 2u;
@@ -3145,65 +3224,6 @@ fn sampled_camera_ray(
 struct PathSample {
     radiance: vec3f,
     rays: u32
-}
-
-struct PathVertex {
-    position: vec3f,
-    normal: vec3f,
-    both_sides: bool,
-    pdf: f32,
-    importance: f32
-}
-const ROULETTE_START: u32 = 3u;
-const MAX_SEGMENTS: u32 = 512u;
-const SHADOW_END: f32 = 0.9999;
-
-fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
-    if (previous.pdf <= 0.0) {
-        return 1.0;
-    }
-    return power_heuristic(previous.pdf, light_pdf);
-}
-
-struct DirectLight {
-    radiance: vec3f,
-    end: f32,
-    ray: Ray
-}
-
-struct PathState {
-    radiance: vec3f,
-    rays: u32,
-    throughput: vec3f,
-    touched: u32,
-    ray: Ray,
-    follows: bool,
-    segment: u32,
-    media: Media,
-    previous: PathVertex,
-    event: u32,
-    direct: vec3f,
-    shadow: Ray,
-    shadow_end: f32,
-    shadow_light: vec3f,
-    goes_on: bool
-}
-const EVENT_ESCAPED: u32 = 4u;
-const EVENT_STOPPED: u32 = 5u;
-const EVENT_STARTED: u32 = 6u;
-
-fn start_path(first: Ray) -> PathState {
-    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, true, 0u, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), first, 0.0, vec3f(0.0, 0.0, 0.0), true);
-}
-
-fn receive_light(before: PathState, passed: vec3f) -> PathState {
-    var path = before;
-    path.rays += 1u;
-    path.direct = (path.shadow_light * passed);
-    path.radiance += path.direct;
-    path.shadow_end = 0.0;
-    path.goes_on = path.follows;
-    return path;
 }
 
 fn add_sample(before: FilmPixel, radiance: vec3f, rays: u32) -> FilmPixel {

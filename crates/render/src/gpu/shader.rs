@@ -13,7 +13,7 @@ use wgsl_rs::wgsl;
 pub mod kernel {
     use kernels::bvh::kernel::*;
     use kernels::layers::kernel::*;
-    use kernels::path::kernel::*;
+    use kernels::pixel::kernel::*;
     use kernels::records::kernel::*;
     use wgsl_rs::std::*;
 
