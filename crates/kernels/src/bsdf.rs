@@ -165,18 +165,6 @@ pub mod kernel {
         undisturbed_part(material, clear_transmission(material, values[1], alpha), alpha)
     }
 
-    /// Probability that a ray meets the surface at all; the rest passes undisturbed.
-    ///
-    /// This is the colourless part of the transparency, resolved during traversal, so that cut-out leaves cost
-    /// no path segments.
-    pub fn surface_opacity<S: SceneAccess + Copy>(
-        scene: S,
-        material: MaterialRecord,
-        at: TexturePoint,
-    ) -> f32 {
-        1.0 - smallest(surface_transmittance::<S>(scene, material, at, false))
-    }
-
     /// The material of one side of a surface.
     pub fn sided_material<S: SceneAccess + Copy>(scene: S, index: u32, front: bool) -> MaterialRecord {
         let material = S::material(scene, index);
@@ -205,7 +193,7 @@ pub mod kernel {
         }
     }
 
-    /// The scattering function at a point, given that the ray met the surface (see `surface_opacity`). `eta` is the
+    /// The scattering function at a point, given that the ray met the surface (see the module `traversal`). `eta` is the
     /// refractive index on the side of the viewer divided by the one behind, `cosine` that of the viewer.
     pub fn material_bsdf<S: SceneAccess + Copy>(
         scene: S,

@@ -5,13 +5,10 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod kernel {
     use crate::bsdf::kernel::*;
-    use crate::bump::kernel::*;
     use crate::camera::kernel::*;
-    use crate::coordinates::kernel::*;
-    use crate::hit::kernel::*;
-    use crate::mesh::kernel::*;
     use crate::random::kernel::*;
     use crate::records::kernel::*;
+    use crate::shading::kernel::*;
     use crate::shape::kernel::*;
     use crate::traversal::kernel::*;
     use wgsl_rs::std::*;
@@ -44,28 +41,17 @@ pub mod kernel {
         }
         let shape = S::shape(scene, hit.object);
         let surface = S::surface(scene, hit.object);
-        let mut point = hit_surface::<S>(scene, ray, hit);
-        let wo = -ray.direction;
-        let front = dot(point.normal, wo) >= 0.0;
-        let material = sided_material::<S>(scene, shape.material, front);
-        let mut at = uv_point(point.uv);
-        let looks_at_position =
-            (material.flags & MATERIAL_USES_POSITION) != 0u32 || material.normal_map != NONE;
-        if has::<S>(scene, FEATURE_POSITIONS) && looks_at_position {
-            let p = hit_unit_point::<S>(scene, ray, hit);
-            at = texture_point::<S>(scene, hit.instance, shape, surface, material, p, point.uv);
-            point = with_normal_maps::<S>(scene, hit, material, p, at, point);
-        }
-        let normal = facing_normal(point, wo);
+        let met = shading_point::<S>(scene, ray, hit);
+        let material = met.material;
         let mut eta: f32 = 1.0;
         if material.refractive_index > 0.0 {
-            eta = select(material.refractive_index, 1.0 / material.refractive_index, front);
+            eta = select(material.refractive_index, 1.0 / material.refractive_index, met.cos_front >= 0.0);
         }
-        let bsdf = material_bsdf::<S>(scene, material, at, eta, dot(normal, wo));
+        let bsdf = material_bsdf::<S>(scene, material, met.at, eta, dot(met.normal, -ray.direction));
         layers.albedo += bsdf_albedo(bsdf);
-        layers.normal += normal;
-        layers.position += point.position;
-        layers.depth += view_depth(S::header(scene), point.position);
+        layers.normal += met.normal;
+        layers.position += met.point.position;
+        layers.depth += view_depth(S::header(scene), met.point.position);
         layers.hits += 1;
         if layers.object == 0u32 {
             let mut source = surface.source;

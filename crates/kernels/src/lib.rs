@@ -31,6 +31,7 @@ pub mod random;
 pub mod raytrace;
 pub mod reconstruction;
 pub mod records;
+pub mod shading;
 pub mod shape;
 pub mod sky;
 pub mod sobol;

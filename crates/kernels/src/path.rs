@@ -9,15 +9,13 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod kernel {
     use crate::bsdf::kernel::*;
-    use crate::bump::kernel::*;
-    use crate::coordinates::kernel::*;
-    use crate::hit::kernel::*;
     use crate::light::kernel::*;
     use crate::light_tree::kernel::*;
     use crate::medium::kernel::*;
     use crate::mesh::kernel::*;
     use crate::random::kernel::*;
     use crate::records::kernel::*;
+    use crate::shading::kernel::*;
     use crate::shape::kernel::*;
     use crate::sky::kernel::*;
     use crate::traversal::kernel::*;
@@ -284,38 +282,27 @@ pub mod kernel {
             path.event = EVENT_ESCAPED;
             return path;
         }
-        let shape = S::shape(scene, hit.object);
         let surface = S::surface(scene, hit.object);
-        let mut point = hit_surface::<S>(scene, ray, hit);
+        let met = shading_point::<S>(scene, ray, hit);
+        let point = met.point;
+        let material = met.material;
+        let normal = met.normal;
         let wo = -ray.direction;
-        let cos_front = dot(point.normal, wo);
-        let front = cos_front >= 0.0;
-        let material = sided_material::<S>(scene, shape.material, front);
-        let mut at = uv_point(point.uv);
-        let looks_at_position =
-            (material.flags & MATERIAL_USES_POSITION) != 0u32 || material.normal_map != NONE;
-        if has::<S>(scene, FEATURE_POSITIONS) && looks_at_position {
-            let p = hit_unit_point::<S>(scene, ray, hit);
-            at = texture_point::<S>(scene, hit.instance, shape, surface, material, p, point.uv);
-            point = with_normal_maps::<S>(scene, hit, material, p, at, point);
-        }
-        let normal = facing_normal(point, wo);
+        let front = met.cos_front >= 0.0;
 
         // Light that the surface emits.
         if surface.light != NONE {
             path.radiance += path.throughput
-                * lamp_radiance::<S>(scene, surface.light, path.previous, point.position, cos_front);
+                * lamp_radiance::<S>(scene, surface.light, path.previous, point.position, met.cos_front);
         }
-        // The medium is told apart by what it comes from and by its instance.
-        let body = surface.source ^ ((hit.instance + 1u32) * 2654435769u32);
         let mut eta: f32 = 1.0;
         let refracts = has::<S>(scene, FEATURE_MEDIA) && material.refractive_index > 0.0;
         if refracts {
-            let outside = leave_medium(path.media, body).indices.x;
+            let outside = leave_medium(path.media, met.body).indices.x;
             let inside = material.refractive_index;
             eta = select(inside / outside, outside / inside, front);
         }
-        let bsdf = material_bsdf::<S>(scene, material, at, eta, dot(normal, wo));
+        let bsdf = material_bsdf::<S>(scene, material, met.at, eta, dot(normal, wo));
         // Unverified for GroIMP's path tracer: emissive surfaces shine by themselves.
         path.radiance += path.throughput * bsdf.emissive;
         // Bounded, so that no scene can hold a device for ever.
@@ -369,11 +356,11 @@ pub mod kernel {
             return path;
         }
         path.throughput *= sample.weight;
-        if refracts && dot(sample.direction, point.normal) * cos_front < 0.0 {
+        if refracts && dot(sample.direction, point.normal) * met.cos_front < 0.0 {
             if front {
-                path.media = enter_medium(path.media, body, material.refractive_index);
+                path.media = enter_medium(path.media, met.body, material.refractive_index);
             } else {
-                path.media = leave_medium(path.media, body);
+                path.media = leave_medium(path.media, met.body);
             }
         }
         path.ray = Ray { origin: offset_origin(point, sample.direction), direction: sample.direction };

@@ -8,16 +8,13 @@ use wgsl_rs::wgsl;
 
 #[wgsl]
 pub mod kernel {
-    use crate::bsdf::kernel::*;
-    use crate::bump::kernel::*;
-    use crate::coordinates::kernel::*;
-    use crate::hit::kernel::*;
     use crate::illumination::kernel::*;
     use crate::light::kernel::*;
     use crate::medium::kernel::*;
     use crate::mesh::kernel::*;
     use crate::random::kernel::*;
     use crate::records::kernel::*;
+    use crate::shading::kernel::*;
     use crate::shape::kernel::*;
     use crate::sky::kernel::*;
     use crate::traversal::kernel::*;
@@ -86,35 +83,25 @@ pub mod kernel {
                 result.radiance +=
                     current.weight * beyond_radiance::<S>(scene, settings.background, ray.direction);
             } else {
-                let shape = S::shape(scene, hit.object);
                 let surface = S::surface(scene, hit.object);
-                let mut point = hit_surface::<S>(scene, ray, hit);
+                let met = shading_point::<S>(scene, ray, hit);
+                let point = met.point;
+                let record = met.material;
+                let normal = met.normal;
                 let wo = -ray.direction;
-                let cos_front = dot(point.normal, wo);
-                let front = cos_front >= 0.0;
-                let record = sided_material::<S>(scene, shape.material, front);
-                let mut at = uv_point(point.uv);
-                let looks_at_position =
-                    (record.flags & MATERIAL_USES_POSITION) != 0u32 || record.normal_map != NONE;
-                if has::<S>(scene, FEATURE_POSITIONS) && looks_at_position {
-                    let p = hit_unit_point::<S>(scene, ray, hit);
-                    at = texture_point::<S>(scene, hit.instance, shape, surface, record, p, point.uv);
-                    point = with_normal_maps::<S>(scene, hit, record, p, at, point);
-                }
-                let normal = facing_normal(point, wo);
+                let front = met.cos_front >= 0.0;
                 let refracts = record.refractive_index > 0.0;
-                let body = surface.source ^ ((hit.instance + 1u32) * 2654435769u32);
-                let outside = leave_medium(current.media, body);
+                let outside = leave_medium(current.media, met.body);
                 let mut eta: f32 = 1.0;
                 if refracts {
                     let inside = record.refractive_index;
                     eta = select(inside / outside.indices.x, outside.indices.x / inside, front);
                 }
-                let material = local_material::<S>(scene, record, at, eta, dot(normal, wo));
+                let material = local_material::<S>(scene, record, met.at, eta, dot(normal, wo));
 
                 let mut seen = material.emissive;
                 if surface.light != NONE {
-                    seen += area_radiance(S::light(scene, surface.light), cos_front);
+                    seen += area_radiance(S::light(scene, surface.light), met.cos_front);
                 }
                 let goes_on = current.touched < settings.depth;
                 if goes_on {
@@ -144,7 +131,7 @@ pub mod kernel {
                     let direction = refracted_direction(eta, normal, wo);
                     let mut media = outside;
                     if front {
-                        media = enter_medium(current.media, body, record.refractive_index);
+                        media = enter_medium(current.media, met.body, record.refractive_index);
                     }
                     passed = PendingRay {
                         origin: offset_origin(point, direction),

@@ -4,18 +4,14 @@ use wgsl_rs::wgsl;
 
 #[wgsl]
 pub mod kernel {
+    use crate::bvh::kernel::*;
     use crate::records::kernel::*;
     use crate::tone::kernel::*;
     use wgsl_rs::std::*;
 
     /// Red, green, blue, alpha of a packed texel, red in the lowest byte, each in [0, 1].
     pub fn unpack_texel(texel: u32) -> Vec4f {
-        vec4f(
-            f32(texel & 255u32),
-            f32((texel >> 8u32) & 255u32),
-            f32((texel >> 16u32) & 255u32),
-            f32(texel >> 24u32),
-        ) * (1.0 / 255.0)
+        unpack_bytes(texel) * (1.0 / 255.0)
     }
 
     /// A texel by column and row counted from the bottom; both wrap around.

@@ -48,11 +48,7 @@ fn path_events(
     let mut path = start_path(first);
     while path.goes_on {
         let hit = closest_hit(slices, path.ray, key, path.segment);
-        let extended = |path| extend_path(slices, key, settings.depth, launch.background, path);
-        let mut next = extended(path);
-        if next.shadow_end > 0.0 {
-            next = extended(next);
-        }
+        let next = extend_path(slices, key, settings.depth, launch.background, path);
         ray_events(text, scene, &path, &hit, &next)?;
         path = next;
     }

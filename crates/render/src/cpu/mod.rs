@@ -45,8 +45,7 @@ impl Device for Cpu {
     }
 
     fn load(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn LoadedScene>, DeviceError> {
-        let shapes = self.threads.install(|| shape_lines(&scene.objects));
-        Ok(Box::new(CpuScene { threads: Arc::clone(&self.threads), scene, shapes }))
+        Ok(Box::new(CpuScene::new(self, scene)))
     }
 }
 
@@ -69,7 +68,7 @@ impl LoadedScene for CpuScene {
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
         let launch = batch.launch(settings);
-        let is_plain = self.scene.features & !PLAIN_FEATURES == 0;
+        let is_plain = self.is_plain();
         self.for_pixels(settings, batch, pixels, progress, |x, y, pixel| {
             let taken = launched_samples(launch, pixel.samples);
             *pixel = if is_plain {
@@ -98,6 +97,16 @@ impl LoadedScene for CpuScene {
 }
 
 impl CpuScene {
+    fn new(cpu: &Cpu, scene: Arc<CompiledScene>) -> Self {
+        let shapes = cpu.threads.install(|| shape_lines(&scene.objects));
+        CpuScene { threads: Arc::clone(&cpu.threads), scene, shapes }
+    }
+
+    /// Whether the path tracer for plain scenes suffices.
+    fn is_plain(&self) -> bool {
+        self.scene.features & !PLAIN_FEATURES == 0
+    }
+
     fn slices<const FEATURES: u32>(&self) -> Slices<'_, FEATURES> {
         Slices::new(&self.scene, &self.shapes)
     }

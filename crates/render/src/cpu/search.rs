@@ -1,7 +1,7 @@
 //! Single rays on the calling thread: what they meet first, and what light passes along them. Benchmarks of the hierarchy
 //! and the shapes measure this; pictures go the same way.
 
-use super::slices::{PLAIN_FEATURES, shape_lines};
+use super::slices::PLAIN_FEATURES;
 use super::{Cpu, CpuScene};
 use crate::CompiledScene;
 use kernels::random::kernel::independent_key;
@@ -28,15 +28,13 @@ pub struct RaySearch {
 impl RaySearch {
     /// Prepares a scene with the threads of a device; rays are then followed on the thread that asks.
     pub fn new(cpu: &Cpu, scene: Arc<CompiledScene>) -> Self {
-        let threads = Arc::clone(&cpu.threads);
-        let shapes = threads.install(|| shape_lines(&scene.objects));
-        RaySearch { scene: CpuScene { threads, scene, shapes } }
+        RaySearch { scene: CpuScene::new(cpu, scene) }
     }
 
     /// What every ray meets first. Rays are relative to [`CompiledScene::origin`], in metres; partly transparent
     /// surfaces are met by chance, the same way every time.
     pub fn first_hits(&self, rays: &[Ray]) -> Vec<Hit> {
-        if self.is_plain() {
+        if self.scene.is_plain() {
             first_hits(self.scene.slices::<PLAIN_FEATURES>(), rays)
         } else {
             first_hits(self.scene.slices::<ALL_FEATURES>(), rays)
@@ -45,15 +43,11 @@ impl RaySearch {
 
     /// The share of light in every channel that passes along every ray.
     pub fn transmittances(&self, rays: &[ShadowRay]) -> Vec<Vec3f> {
-        if self.is_plain() {
+        if self.scene.is_plain() {
             transmittances(self.scene.slices::<PLAIN_FEATURES>(), rays)
         } else {
             transmittances(self.scene.slices::<ALL_FEATURES>(), rays)
         }
-    }
-
-    fn is_plain(&self) -> bool {
-        self.scene.scene.features & !PLAIN_FEATURES == 0
     }
 }
 

@@ -1382,7 +1382,7 @@ fn tone_map(radiance: vec3f, exposure: f32) -> vec3f {
 }
 
 fn unpack_texel(texel: u32) -> vec4f {
-    return (vec4f(f32((texel & 255u)), f32(((texel >> 8u) & 255u)), f32(((texel >> 16u) & 255u)), f32((texel >> 24u))) * (1.0 / 255.0));
+    return (unpack_bytes(texel) * (1.0 / 255.0));
 }
 
 fn in_odd_field(uv: vec2f) -> bool {
@@ -2434,6 +2434,149 @@ fn table_pdf_Buffers(scene: Buffers, light: LightRecord, direction: vec3f) -> f3
     return Buffers_attribute(scene, (((light.first + rows) + (row * columns)) + column)).z;
 }
 
+fn placement_error(group_from_world: Affine, world_from_group: Affine, point: SurfacePoint) -> f32 {
+    let error_group = transform_magnitude(group_from_world, point.position);
+    let error_world = transform_magnitude(world_from_group, transform_point(group_from_world, point.position));
+    let e = vec4f(error_group.x, error_group.y, error_group.z, 0.0);
+    let m = world_from_group;
+    let carried = vec3f(dot(abs(m.row0), e), dot(abs(m.row1), e), dot(abs(m.row2), e));
+    return (ROUNDING * dot(abs(point.normal), (error_world + carried)));
+}
+
+fn hit_surface_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> SurfacePoint {
+    var shape = Buffers_shape(scene, hit.object);
+    var surface = Buffers_surface(scene, hit.object);
+    if (!has_Buffers(scene, (1u << SHAPE_INSTANCE)) || (hit.instance == NONE)) {
+        let flat_point = surface_point(shape, surface, ray, hit.shape);
+        let normal = attribute_normal_Buffers(scene, shape, surface, flat_point);
+        return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
+    }
+    let group_from_world = Buffers_shape(scene, hit.instance).object_from_world;
+    let world_from_group = Buffers_surface(scene, hit.instance).world_from_object;
+    shape.object_from_world = compose(shape.object_from_world, group_from_world);
+    surface.world_from_object = compose(world_from_group, surface.world_from_object);
+    var flat_point = surface_point(shape, surface, ray, hit.shape);
+    flat_point.error = ((2.0 * flat_point.error) + placement_error(group_from_world, world_from_group, flat_point));
+    let normal = transform_transposed(group_from_world, attribute_normal_Buffers(scene, shape, surface, flat_point));
+    return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
+}
+
+fn hit_unit_point_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> vec3f {
+    var local = ray;
+    if (has_Buffers(scene, (1u << SHAPE_INSTANCE)) && (hit.instance != NONE)) {
+        local = transform_ray(Buffers_shape(scene, hit.instance).object_from_world, ray);
+    }
+    return hit_point(Buffers_shape(scene, hit.object), local, hit.shape);
+}
+
+fn normal_map_covers(normal_map: ChannelRecord, uv: vec2f) -> bool {
+    let on_box_top = ((((uv.x >= 0.25) && (uv.x <= 0.5)) && (uv.y >= 0.33333333)) && (uv.y <= 0.66666667));
+    return ((normal_map.size == 0u) || on_box_top);
+}
+
+fn height_slopes_Buffers(
+    scene: Buffers,
+    normal_map: ChannelRecord,
+    at: TexturePoint,
+    local: Tangents,
+    world: Tangents,
+) -> vec2f {
+    var slopes = vec2f(0.0, 0.0);
+    for (var k = 0; k < 4; k++) {
+        let along_u = (k < 2);
+        let forward = select(-1.0, 1.0, ((k % 2) == 0));
+        var step = (forward * normal_map.value.z);
+        var shifted = at;
+        if along_u {
+            step = (forward * normal_map.value.y);
+            shifted.uv = vec2f((at.uv.x + step), at.uv.y);
+            shifted.local = (at.local + (local.du * step));
+            shifted.world = (at.world + (world.du * step));
+        } else {
+            shifted.uv = vec2f(at.uv.x, (at.uv.y + step));
+            shifted.local = (at.local + (local.dv * step));
+            shifted.world = (at.world + (world.dv * step));
+        }
+        let height = channel_value_Buffers(scene, normal_map.first, shifted, vec4f(0.0, 0.0, 0.0, 1.0));
+        let part = (height.x / (2.0 * step));
+        slopes += select(vec2f(0.0, part), vec2f(part, 0.0), vec2<bool>(along_u, along_u));
+    }
+    return slopes;
+}
+
+fn with_normal_maps_Buffers(
+    scene: Buffers,
+    hit: Hit,
+    material: MaterialRecord,
+    p: vec3f,
+    at: TexturePoint,
+    point: SurfacePoint,
+) -> SurfacePoint {
+    if (material.normal_map == NONE) {
+        return point;
+    }
+    let shape = Buffers_shape(scene, hit.object);
+    let surface = Buffers_surface(scene, hit.object);
+    let unit = unit_tangents_Buffers(scene, shape, surface, hit.shape.face, p);
+    let world = transform_tangents(world_from_unit_Buffers(scene, hit.instance, surface), unit);
+    var local = unit;
+    if ((material.flags & MATERIAL_USES_POSITION) != 0u) {
+        local = transform_tangents(local_from_unit_Buffers(scene, shape, surface), unit);
+    }
+    var normal = point.shading_normal;
+    var du = world.du;
+    var dv = world.dv;
+    var index = material.normal_map;
+    while (index != NONE) {
+        let normal_map = Buffers_channel(scene, index);
+        index = normal_map.mode;
+        if normal_map_covers(normal_map, at.uv) {
+            let slopes = (height_slopes_Buffers(scene, normal_map, at, local, world) * normal_map.value.x);
+            du += (normal * (slopes.x - dot(du, normal)));
+            dv += (normal * (slopes.y - dot(dv, normal)));
+            let bent = cross(du, dv);
+            let squared = dot(bent, bent);
+            if (squared > 0.0) {
+                let outward = select(-1.0, 1.0, (dot(bent, normal) >= 0.0));
+                normal = (bent * (outward / sqrt(squared)));
+            }
+        }
+    }
+    var result = point;
+    if (dot(normal, point.normal) > 0.0) {
+        result.shading_normal = normal;
+    }
+    return result;
+}
+
+struct ShadingPoint {
+    point: SurfacePoint,
+    material: MaterialRecord,
+    at: TexturePoint,
+    normal: vec3f,
+    cos_front: f32,
+    body: u32
+}
+
+fn shading_point_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> ShadingPoint {
+    let shape = Buffers_shape(scene, hit.object);
+    let surface = Buffers_surface(scene, hit.object);
+    var point = hit_surface_Buffers(scene, ray, hit);
+    let wo = -ray.direction;
+    let cos_front = dot(point.normal, wo);
+    let material = sided_material_Buffers(scene, shape.material, (cos_front >= 0.0));
+    var at = uv_point(point.uv);
+    let looks_at_position = (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE));
+    if (has_Buffers(scene, FEATURE_POSITIONS) && looks_at_position) {
+        let p = hit_unit_point_Buffers(scene, ray, hit);
+        at = texture_point_Buffers(scene, hit.instance, shape, surface, material, p, point.uv);
+        point = with_normal_maps_Buffers(scene, hit, material, p, at, point);
+    }
+    let normal = facing_normal(point, wo);
+    let body = (surface.source ^ ((hit.instance + 1u) * 2654435769u));
+    return ShadingPoint(point, material, at, normal, cos_front, body);
+}
+
 struct LightSample {
     direction: vec3f,
     distance: f32,
@@ -2611,121 +2754,6 @@ fn spread_point(i: u32, count: u32, shift: vec2f) -> vec2f {
     let u = ((f32(i) / f32(count)) + shift.x);
     let v = (unit_float((i * 2654435769u)) + shift.y);
     return vec2f(min((u - floor(u)), 0.99999994), min((v - floor(v)), 0.99999994));
-}
-
-fn placement_error(group_from_world: Affine, world_from_group: Affine, point: SurfacePoint) -> f32 {
-    let error_group = transform_magnitude(group_from_world, point.position);
-    let error_world = transform_magnitude(world_from_group, transform_point(group_from_world, point.position));
-    let e = vec4f(error_group.x, error_group.y, error_group.z, 0.0);
-    let m = world_from_group;
-    let carried = vec3f(dot(abs(m.row0), e), dot(abs(m.row1), e), dot(abs(m.row2), e));
-    return (ROUNDING * dot(abs(point.normal), (error_world + carried)));
-}
-
-fn hit_surface_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> SurfacePoint {
-    var shape = Buffers_shape(scene, hit.object);
-    var surface = Buffers_surface(scene, hit.object);
-    if (!has_Buffers(scene, (1u << SHAPE_INSTANCE)) || (hit.instance == NONE)) {
-        let flat_point = surface_point(shape, surface, ray, hit.shape);
-        let normal = attribute_normal_Buffers(scene, shape, surface, flat_point);
-        return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
-    }
-    let group_from_world = Buffers_shape(scene, hit.instance).object_from_world;
-    let world_from_group = Buffers_surface(scene, hit.instance).world_from_object;
-    shape.object_from_world = compose(shape.object_from_world, group_from_world);
-    surface.world_from_object = compose(world_from_group, surface.world_from_object);
-    var flat_point = surface_point(shape, surface, ray, hit.shape);
-    flat_point.error = ((2.0 * flat_point.error) + placement_error(group_from_world, world_from_group, flat_point));
-    let normal = transform_transposed(group_from_world, attribute_normal_Buffers(scene, shape, surface, flat_point));
-    return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
-}
-
-fn hit_unit_point_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> vec3f {
-    var local = ray;
-    if (has_Buffers(scene, (1u << SHAPE_INSTANCE)) && (hit.instance != NONE)) {
-        local = transform_ray(Buffers_shape(scene, hit.instance).object_from_world, ray);
-    }
-    return hit_point(Buffers_shape(scene, hit.object), local, hit.shape);
-}
-
-fn normal_map_covers(normal_map: ChannelRecord, uv: vec2f) -> bool {
-    let on_box_top = ((((uv.x >= 0.25) && (uv.x <= 0.5)) && (uv.y >= 0.33333333)) && (uv.y <= 0.66666667));
-    return ((normal_map.size == 0u) || on_box_top);
-}
-
-fn height_slopes_Buffers(
-    scene: Buffers,
-    normal_map: ChannelRecord,
-    at: TexturePoint,
-    local: Tangents,
-    world: Tangents,
-) -> vec2f {
-    var slopes = vec2f(0.0, 0.0);
-    for (var k = 0; k < 4; k++) {
-        let along_u = (k < 2);
-        let forward = select(-1.0, 1.0, ((k % 2) == 0));
-        var step = (forward * normal_map.value.z);
-        var shifted = at;
-        if along_u {
-            step = (forward * normal_map.value.y);
-            shifted.uv = vec2f((at.uv.x + step), at.uv.y);
-            shifted.local = (at.local + (local.du * step));
-            shifted.world = (at.world + (world.du * step));
-        } else {
-            shifted.uv = vec2f(at.uv.x, (at.uv.y + step));
-            shifted.local = (at.local + (local.dv * step));
-            shifted.world = (at.world + (world.dv * step));
-        }
-        let height = channel_value_Buffers(scene, normal_map.first, shifted, vec4f(0.0, 0.0, 0.0, 1.0));
-        let part = (height.x / (2.0 * step));
-        slopes += select(vec2f(0.0, part), vec2f(part, 0.0), vec2<bool>(along_u, along_u));
-    }
-    return slopes;
-}
-
-fn with_normal_maps_Buffers(
-    scene: Buffers,
-    hit: Hit,
-    material: MaterialRecord,
-    p: vec3f,
-    at: TexturePoint,
-    point: SurfacePoint,
-) -> SurfacePoint {
-    if (material.normal_map == NONE) {
-        return point;
-    }
-    let shape = Buffers_shape(scene, hit.object);
-    let surface = Buffers_surface(scene, hit.object);
-    let unit = unit_tangents_Buffers(scene, shape, surface, hit.shape.face, p);
-    let world = transform_tangents(world_from_unit_Buffers(scene, hit.instance, surface), unit);
-    var local = unit;
-    if ((material.flags & MATERIAL_USES_POSITION) != 0u) {
-        local = transform_tangents(local_from_unit_Buffers(scene, shape, surface), unit);
-    }
-    var normal = point.shading_normal;
-    var du = world.du;
-    var dv = world.dv;
-    var index = material.normal_map;
-    while (index != NONE) {
-        let normal_map = Buffers_channel(scene, index);
-        index = normal_map.mode;
-        if normal_map_covers(normal_map, at.uv) {
-            let slopes = (height_slopes_Buffers(scene, normal_map, at, local, world) * normal_map.value.x);
-            du += (normal * (slopes.x - dot(du, normal)));
-            dv += (normal * (slopes.y - dot(dv, normal)));
-            let bent = cross(du, dv);
-            let squared = dot(bent, bent);
-            if (squared > 0.0) {
-                let outward = select(-1.0, 1.0, (dot(bent, normal) >= 0.0));
-                normal = (bent * (outward / sqrt(squared)));
-            }
-        }
-    }
-    var result = point;
-    if (dot(normal, point.normal) > 0.0) {
-        result.shading_normal = normal;
-    }
-    return result;
 }
 
 struct PendingRay {
@@ -3030,33 +3058,24 @@ fn meet_surface_Buffers(
         path.event = EVENT_ESCAPED;
         return path;
     }
-    let shape = Buffers_shape(scene, hit.object);
     let surface = Buffers_surface(scene, hit.object);
-    var point = hit_surface_Buffers(scene, ray, hit);
+    let met = shading_point_Buffers(scene, ray, hit);
+    let point = met.point;
+    let material = met.material;
+    let normal = met.normal;
     let wo = -ray.direction;
-    let cos_front = dot(point.normal, wo);
-    let front = (cos_front >= 0.0);
-    let material = sided_material_Buffers(scene, shape.material, front);
-    var at = uv_point(point.uv);
-    let looks_at_position = (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE));
-    if (has_Buffers(scene, FEATURE_POSITIONS) && looks_at_position) {
-        let p = hit_unit_point_Buffers(scene, ray, hit);
-        at = texture_point_Buffers(scene, hit.instance, shape, surface, material, p, point.uv);
-        point = with_normal_maps_Buffers(scene, hit, material, p, at, point);
-    }
-    let normal = facing_normal(point, wo);
+    let front = (met.cos_front >= 0.0);
     if (surface.light != NONE) {
-        path.radiance += (path.throughput * lamp_radiance_Buffers(scene, surface.light, path.previous, point.position, cos_front));
+        path.radiance += (path.throughput * lamp_radiance_Buffers(scene, surface.light, path.previous, point.position, met.cos_front));
     }
-    let body = (surface.source ^ ((hit.instance + 1u) * 2654435769u));
     var eta: f32 = 1.0;
     let refracts = (has_Buffers(scene, FEATURE_MEDIA) && (material.refractive_index > 0.0));
     if refracts {
-        let outside = leave_medium(path.media, body).indices.x;
+        let outside = leave_medium(path.media, met.body).indices.x;
         let inside = material.refractive_index;
         eta = select((inside / outside), (outside / inside), front);
     }
-    let bsdf = material_bsdf_Buffers(scene, material, at, eta, dot(normal, wo));
+    let bsdf = material_bsdf_Buffers(scene, material, met.at, eta, dot(normal, wo));
     path.radiance += (path.throughput * bsdf.emissive);
     let may_go_on = ((path.segment + 1u) < MAX_SEGMENTS);
     if (path.touched >= depth) {
@@ -3095,11 +3114,11 @@ fn meet_surface_Buffers(
         return path;
     }
     path.throughput *= sample.weight;
-    if (refracts && ((dot(sample.direction, point.normal) * cos_front) < 0.0)) {
+    if (refracts && ((dot(sample.direction, point.normal) * met.cos_front) < 0.0)) {
         if front {
-            path.media = enter_medium(path.media, body, material.refractive_index);
+            path.media = enter_medium(path.media, met.body, material.refractive_index);
         } else {
-            path.media = leave_medium(path.media, body);
+            path.media = leave_medium(path.media, met.body);
         }
     }
     path.ray = Ray(offset_origin(point, sample.direction), sample.direction);
@@ -3337,27 +3356,17 @@ fn add_first_hit_Buffers(scene: Buffers, key: SampleKey, ray: Ray, before: Layer
     }
     let shape = Buffers_shape(scene, hit.object);
     let surface = Buffers_surface(scene, hit.object);
-    var point = hit_surface_Buffers(scene, ray, hit);
-    let wo = -ray.direction;
-    let front = (dot(point.normal, wo) >= 0.0);
-    let material = sided_material_Buffers(scene, shape.material, front);
-    var at = uv_point(point.uv);
-    let looks_at_position = (((material.flags & MATERIAL_USES_POSITION) != 0u) || (material.normal_map != NONE));
-    if (has_Buffers(scene, FEATURE_POSITIONS) && looks_at_position) {
-        let p = hit_unit_point_Buffers(scene, ray, hit);
-        at = texture_point_Buffers(scene, hit.instance, shape, surface, material, p, point.uv);
-        point = with_normal_maps_Buffers(scene, hit, material, p, at, point);
-    }
-    let normal = facing_normal(point, wo);
+    let met = shading_point_Buffers(scene, ray, hit);
+    let material = met.material;
     var eta: f32 = 1.0;
     if (material.refractive_index > 0.0) {
-        eta = select(material.refractive_index, (1.0 / material.refractive_index), front);
+        eta = select(material.refractive_index, (1.0 / material.refractive_index), (met.cos_front >= 0.0));
     }
-    let bsdf = material_bsdf_Buffers(scene, material, at, eta, dot(normal, wo));
+    let bsdf = material_bsdf_Buffers(scene, material, met.at, eta, dot(met.normal, -ray.direction));
     layers.albedo += bsdf_albedo(bsdf);
-    layers.normal += normal;
-    layers.position += point.position;
-    layers.depth += view_depth(Buffers_header(scene), point.position);
+    layers.normal += met.normal;
+    layers.position += met.point.position;
+    layers.depth += view_depth(Buffers_header(scene), met.point.position);
     layers.hits += 1u;
     if (layers.object == 0u) {
         var source = surface.source;

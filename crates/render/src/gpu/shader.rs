@@ -5,6 +5,7 @@
 use super::assemble::StandIn;
 use crate::Renderer;
 use kernels::records::kernel::ALL_FEATURES;
+use kernels::traversal::kernel::MAX_BVH_DEPTH;
 use wgsl_rs::wgsl;
 
 // Rust never calls the entry point; the graphics card does. The whole is validated where it is joined.
@@ -129,11 +130,13 @@ pub(super) fn source(renderer: Renderer, features: u32) -> Result<String, String
 /// Moves the stacks of the search, of which there is one at a time, out of their function: there WGSL has them filled
 /// with zeros for every ray, here once.
 fn with_private_stacks(source: String) -> Result<String, String> {
+    // For the hierarchy of the scene and for that of a group. Programs run without bounds checks, so an array of
+    // another length must not go unnoticed.
+    let array = format!("array<u32, {}>", 2 * MAX_BVH_DEPTH);
     let stacks = ["stack_first", "stack_bits"];
     stacks.into_iter().try_fold(source, |source, stack| {
-        let local = format!("    var {stack}: array<u32, 48> = array<u32, 48>();\n");
-        let rest = replaced(&source, &local, "")?;
-        Ok(format!("var<private> {stack}: array<u32, 48>;\n{rest}"))
+        let rest = replaced(&source, &format!("    var {stack}: {array} = {array}();\n"), "")?;
+        Ok(format!("var<private> {stack}: {array};\n{rest}"))
     })
 }
 
