@@ -32,18 +32,23 @@ pub mod kernel {
 
     /// Everything about the point where a world-space ray hit.
     pub fn hit_surface<S: SceneAccess + Copy>(scene: S, ray: Ray, hit: Hit) -> SurfacePoint {
-        let mut shape = S::shape(scene, hit.object);
-        let mut surface = S::surface(scene, hit.object);
+        let shape = S::shape(scene, hit.object);
+        let surface = S::surface(scene, hit.object);
+        let v_scale = surface.v_scale;
         if !has::<S>(scene, 1u32 << SHAPE_INSTANCE) || hit.instance == NONE {
-            let flat_point = surface_point(shape, surface, ray, hit.shape);
+            let object_from_world = shape.object_from_world;
+            let world_from_object = surface.world_from_object;
+            let flat_point =
+                surface_point(shape, v_scale, object_from_world, world_from_object, ray, hit.shape);
             let normal = attribute_normal::<S>(scene, shape, surface, flat_point);
             return with_attributes::<S>(scene, shape, surface, flat_point, normal);
         }
         let group_from_world = S::shape(scene, hit.instance).object_from_world;
         let world_from_group = S::surface(scene, hit.instance).world_from_object;
-        shape.object_from_world = compose(shape.object_from_world, group_from_world);
-        surface.world_from_object = compose(world_from_group, surface.world_from_object);
-        let mut flat_point = surface_point(shape, surface, ray, hit.shape);
+        let object_from_world = compose(shape.object_from_world, group_from_world);
+        let world_from_object = compose(world_from_group, surface.world_from_object);
+        let mut flat_point =
+            surface_point(shape, v_scale, object_from_world, world_from_object, ray, hit.shape);
         // The products of the matrices are rounded, too.
         flat_point.error =
             2.0 * flat_point.error + placement_error(group_from_world, world_from_group, flat_point);

@@ -24,7 +24,7 @@ pub mod kernel {
         surface: SurfaceRecord,
         uv: Vec2f,
     ) -> Vec2f {
-        if (shape.kind & SHAPE_MASK) != SHAPE_TRIANGLE {
+        if !has::<S>(scene, 1u32 << SHAPE_TRIANGLE) || (shape.kind & SHAPE_MASK) != SHAPE_TRIANGLE {
             return uv;
         }
         if surface.attributes == NONE {
@@ -47,7 +47,10 @@ pub mod kernel {
         point: SurfacePoint,
     ) -> Vec3f {
         let none = vec3f(0.0, 0.0, 0.0);
-        if (shape.kind & SHAPE_MASK) != SHAPE_TRIANGLE || surface.attributes == NONE {
+        if !has::<S>(scene, 1u32 << SHAPE_TRIANGLE)
+            || (shape.kind & SHAPE_MASK) != SHAPE_TRIANGLE
+            || surface.attributes == NONE
+        {
             return none;
         }
         let last = S::attribute(scene, surface.attributes + 3u32);

@@ -382,23 +382,26 @@ pub mod kernel {
         snap_to_surface(shape, hit.face, ray.origin + ray.direction * hit.t)
     }
 
-    /// Everything about the point where `ray` hit the shape at parameter `hit.t`, except the attributes of meshes.
+    /// Everything about the point where `ray` hit the shape at parameter `hit.t`, except the attributes of meshes. The
+    /// matrices are those of the shape, or of its instance in case of a group.
     pub fn surface_point(
         shape: ShapeRecord,
-        surface: SurfaceRecord,
+        v_scale: f32,
+        object_from_world: Affine,
+        world_from_object: Affine,
         ray: Ray,
         hit: ShapeHit,
     ) -> SurfacePoint {
-        let p = hit_point(shape, ray, hit);
-        let position = transform_point(surface.world_from_object, p);
-        let normal =
-            normalize(transform_transposed(shape.object_from_world, object_normal(shape, hit.face, p)));
+        let local = transform_ray(object_from_world, ray);
+        let p = snap_to_surface(shape, hit.face, local.origin + local.direction * hit.t);
+        let position = transform_point(world_from_object, p);
+        let normal = normalize(transform_transposed(object_from_world, object_normal(shape, hit.face, p)));
 
         // Rounding error of the position, and of carrying a ray from there back to object space, where the next
         // intersection is decided; both brought to world space.
-        let error_world = transform_magnitude(surface.world_from_object, p);
-        let error_object = transform_magnitude(shape.object_from_world, position);
-        let m = surface.world_from_object;
+        let error_world = transform_magnitude(world_from_object, p);
+        let error_object = transform_magnitude(object_from_world, position);
+        let m = world_from_object;
         let e = vec4f(error_object.x, error_object.y, error_object.z, 0.0);
         let carried = vec3f(dot(abs(m.row0), e), dot(abs(m.row1), e), dot(abs(m.row2), e));
         let error = ROUNDING * dot(abs(normal), error_world + carried);
@@ -407,7 +410,7 @@ pub mod kernel {
             position,
             error,
             normal,
-            uv: texture_coordinates(shape, surface.v_scale, hit.face, p),
+            uv: texture_coordinates(shape, v_scale, hit.face, p),
             shading_normal: normal,
         }
     }

@@ -160,8 +160,8 @@ pub mod kernel {
         // 1 minus the cosine; written so that nothing is lost for the tiny angle.
         let versine = u.x * light.cos_inner;
         let sine = sqrt(versine * (2.0 - versine));
-        let phi = TWO_PI * u.y;
-        let local = vec3f(cos(phi) * sine, sin(phi) * sine, 1.0 - versine);
+        let turned = on_circle(u.y);
+        let local = vec3f(turned.x * sine, turned.y * sine, 1.0 - versine);
         SkyDirection { direction: around_axis(-light.axis, local), pdf: sun_pdf(light) }
     }
 

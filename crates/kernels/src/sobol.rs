@@ -18,6 +18,9 @@ pub mod kernel {
     /// this distance; larger blocks would make indices long and so the sequence costly.
     pub const BLOCK_LEVELS: u32 = 4;
 
+    /// Binary digits that indices may have: those of the longest sequence and of the place in a block.
+    pub const INDEX_DIGITS: u32 = 28;
+
     /// Avalanches the bits of a number (the finaliser of MurmurHash3).
     pub fn mix_bits(bits: u32) -> u32 {
         let mut x = bits;
@@ -63,9 +66,9 @@ pub mod kernel {
         let mut w0: u32 = 1;
         let mut w1: u32 = 3;
         let mut w2: u32 = 4;
-        let mut rest = index;
-        while rest != 0u32 {
-            if (rest & 1u32) != 0u32 {
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for digit in 0..INDEX_DIGITS {
+            if (index & (1u32 << digit)) != 0u32 {
                 z ^= z0;
                 w ^= w0;
             }
@@ -76,7 +79,6 @@ pub mod kernel {
             w0 = w1;
             w1 = w2;
             w2 = w3;
-            rest >>= 1u32;
         }
         vec4u(index, y, z, w)
     }

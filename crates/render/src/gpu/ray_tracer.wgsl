@@ -273,10 +273,25 @@ fn around_axis(axis: vec3f, local: vec3f) -> vec3f {
     return normalize((((x * local.x) + (y * local.y)) + (axis * local.z)));
 }
 
+fn on_circle(u: f32) -> vec2f {
+    let quarters = floor(((4.0 * u) + 0.5));
+    let x = (TWO_PI * (u - (0.25 * quarters)));
+    let xx = (x * x);
+    let sine = (x + ((x * xx) * ((xx * (8.3321608736e-3 - (xx * 1.9515295891e-4))) - 1.6666654611e-1)));
+    let cosine = ((1.0 - (0.5 * xx)) + ((xx * xx) * (4.166664568298827e-2 + (xx * ((2.443315711809948e-5 * xx) - 1.388731625493765e-3)))));
+    let turned = u32(quarters);
+    let swapped = ((turned & 1u) != 0u);
+    let along = select(cosine, sine, swapped);
+    let across = select(sine, cosine, swapped);
+    let opposite = (((turned + 1u) & 2u) != 0u);
+    let below = ((turned & 2u) != 0u);
+    return vec2f(select(along, -along, opposite), select(across, -across, below));
+}
+
 fn polar_direction(cos_theta: f32, u: f32) -> vec3f {
     let sin_theta = sqrt(max(0.0, (1.0 - (cos_theta * cos_theta))));
-    let phi = (TWO_PI * u);
-    return vec3f((cos(phi) * sin_theta), (sin(phi) * sin_theta), cos_theta);
+    let turned = on_circle(u);
+    return vec3f((turned.x * sin_theta), (turned.y * sin_theta), cos_theta);
 }
 
 fn cosine_hemisphere(u: vec2f) -> vec3f {
@@ -643,17 +658,25 @@ fn hit_point(shape: ShapeRecord, ray_world: Ray, hit: ShapeHit) -> vec3f {
     return snap_to_surface(shape, hit.face, (ray.origin + (ray.direction * hit.t)));
 }
 
-fn surface_point(shape: ShapeRecord, surface: SurfaceRecord, ray: Ray, hit: ShapeHit) -> SurfacePoint {
-    let p = hit_point(shape, ray, hit);
-    let position = transform_point(surface.world_from_object, p);
-    let normal = normalize(transform_transposed(shape.object_from_world, object_normal(shape, hit.face, p)));
-    let error_world = transform_magnitude(surface.world_from_object, p);
-    let error_object = transform_magnitude(shape.object_from_world, position);
-    let m = surface.world_from_object;
+fn surface_point(
+    shape: ShapeRecord,
+    v_scale: f32,
+    object_from_world: Affine,
+    world_from_object: Affine,
+    ray: Ray,
+    hit: ShapeHit,
+) -> SurfacePoint {
+    let local = transform_ray(object_from_world, ray);
+    let p = snap_to_surface(shape, hit.face, (local.origin + (local.direction * hit.t)));
+    let position = transform_point(world_from_object, p);
+    let normal = normalize(transform_transposed(object_from_world, object_normal(shape, hit.face, p)));
+    let error_world = transform_magnitude(world_from_object, p);
+    let error_object = transform_magnitude(object_from_world, position);
+    let m = world_from_object;
     let e = vec4f(error_object.x, error_object.y, error_object.z, 0.0);
     let carried = vec3f(dot(abs(m.row0), e), dot(abs(m.row1), e), dot(abs(m.row2), e));
     let error = (ROUNDING * dot(abs(normal), (error_world + carried)));
-    return SurfacePoint(position, error, normal, texture_coordinates(shape, surface.v_scale, hit.face, p), normal);
+    return SurfacePoint(position, error, normal, texture_coordinates(shape, v_scale, hit.face, p), normal);
 }
 
 fn offset_origin(point: SurfacePoint, direction: vec3f) -> vec3f {
@@ -662,6 +685,7 @@ fn offset_origin(point: SurfacePoint, direction: vec3f) -> vec3f {
 }
 
 const BLOCK_LEVELS: u32 = 4u;
+const INDEX_DIGITS: u32 = 28u;
 
 fn mix_bits(bits: u32) -> u32 {
     var x = bits;
@@ -699,9 +723,8 @@ fn sobol4(index: u32) -> vec4u {
     var w0: u32 = 1u;
     var w1: u32 = 3u;
     var w2: u32 = 4u;
-    var rest = index;
-    while (rest != 0u) {
-        if ((rest & 1u) != 0u) {
+    for (var digit = 0u; digit < INDEX_DIGITS; digit++) {
+        if ((index & (1u << digit)) != 0u) {
             z ^= z0;
             w ^= w0;
         }
@@ -712,7 +735,6 @@ fn sobol4(index: u32) -> vec4u {
         w0 = w1;
         w1 = w2;
         w2 = w3;
-        rest >>= 1u;
     }
     return vec4u(index, y, z, w);
 }
@@ -868,7 +890,7 @@ fn same_side(point: SurfacePoint, facing: vec3f, wo: vec3f, direction: vec3f) ->
 
 fn attribute_normal_Buffers(scene: Buffers, shape: ShapeRecord, surface: SurfaceRecord, point: SurfacePoint) -> vec3f {
     let none = vec3f(0.0, 0.0, 0.0);
-    if (((shape.kind & SHAPE_MASK) != SHAPE_TRIANGLE) || (surface.attributes == NONE)) {
+    if ((!has_Buffers(scene, (1u << SHAPE_TRIANGLE)) || ((shape.kind & SHAPE_MASK) != SHAPE_TRIANGLE)) || (surface.attributes == NONE)) {
         return none;
     }
     let last = Buffers_attribute(scene, (surface.attributes + 3u));
@@ -883,7 +905,7 @@ fn attribute_normal_Buffers(scene: Buffers, shape: ShapeRecord, surface: Surface
 }
 
 fn attribute_uv_Buffers(scene: Buffers, shape: ShapeRecord, surface: SurfaceRecord, uv: vec2f) -> vec2f {
-    if ((shape.kind & SHAPE_MASK) != SHAPE_TRIANGLE) {
+    if (!has_Buffers(scene, (1u << SHAPE_TRIANGLE)) || ((shape.kind & SHAPE_MASK) != SHAPE_TRIANGLE)) {
         return uv;
     }
     if (surface.attributes == NONE) {
@@ -2325,8 +2347,8 @@ fn sun_pdf(light: LightRecord) -> f32 {
 fn sample_sun(light: LightRecord, u: vec2f) -> SkyDirection {
     let versine = (u.x * light.cos_inner);
     let sine = sqrt((versine * (2.0 - versine)));
-    let phi = (TWO_PI * u.y);
-    let local = vec3f((cos(phi) * sine), (sin(phi) * sine), (1.0 - versine));
+    let turned = on_circle(u.y);
+    let local = vec3f((turned.x * sine), (turned.y * sine), (1.0 - versine));
     return SkyDirection(around_axis(-light.axis, local), sun_pdf(light));
 }
 
@@ -2420,18 +2442,21 @@ fn placement_error(group_from_world: Affine, world_from_group: Affine, point: Su
 }
 
 fn hit_surface_Buffers(scene: Buffers, ray: Ray, hit: Hit) -> SurfacePoint {
-    var shape = Buffers_shape(scene, hit.object);
-    var surface = Buffers_surface(scene, hit.object);
+    let shape = Buffers_shape(scene, hit.object);
+    let surface = Buffers_surface(scene, hit.object);
+    let v_scale = surface.v_scale;
     if (!has_Buffers(scene, (1u << SHAPE_INSTANCE)) || (hit.instance == NONE)) {
-        let flat_point = surface_point(shape, surface, ray, hit.shape);
+        let object_from_world = shape.object_from_world;
+        let world_from_object = surface.world_from_object;
+        let flat_point = surface_point(shape, v_scale, object_from_world, world_from_object, ray, hit.shape);
         let normal = attribute_normal_Buffers(scene, shape, surface, flat_point);
         return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
     }
     let group_from_world = Buffers_shape(scene, hit.instance).object_from_world;
     let world_from_group = Buffers_surface(scene, hit.instance).world_from_object;
-    shape.object_from_world = compose(shape.object_from_world, group_from_world);
-    surface.world_from_object = compose(world_from_group, surface.world_from_object);
-    var flat_point = surface_point(shape, surface, ray, hit.shape);
+    let object_from_world = compose(shape.object_from_world, group_from_world);
+    let world_from_object = compose(world_from_group, surface.world_from_object);
+    var flat_point = surface_point(shape, v_scale, object_from_world, world_from_object, ray, hit.shape);
     flat_point.error = ((2.0 * flat_point.error) + placement_error(group_from_world, world_from_group, flat_point));
     let normal = transform_transposed(group_from_world, attribute_normal_Buffers(scene, shape, surface, flat_point));
     return with_attributes_Buffers(scene, shape, surface, flat_point, normal);
