@@ -1,0 +1,120 @@
+//! Writes kernels in WGSL as Rust in which every value has one lane per ray.
+//!
+//! Graphics cards execute a kernel for many rays at once: where rays go different ways, all of them go both, and a mask
+//! says whose results count (ispc does the same for processors: Pharr and Mark, "ispc: A SPMD compiler for
+//! high-performance CPU programming", 2012). Here the kernels' WGSL, as naga reads it, becomes Rust over the types of the
+//! crate `lanes`, so that the one source of the kernels serves the vector units of processors, too.
+//!
+//! - Values that are the same for all rays stay plain numbers ([`uniformity`]): settings, features of the scene,
+//!   counters of loops over lights.
+//! - Records of read-only tables are passed on by their place; fields are fetched where they are used ([`records`]).
+//! - `if` becomes a mask, skipped where no ray is left; `return`, `break` and `continue` take rays out of it
+//!   ([`statements`]).
+
+mod error;
+mod expressions;
+mod functions;
+mod layout;
+mod places;
+mod records;
+mod statements;
+mod structures;
+mod uniformity;
+
+pub use error::VectorizeError;
+use functions::reachable_functions;
+use records::Records;
+use std::fmt::Write;
+use uniformity::Uniformity;
+
+/// What is to be written.
+#[derive(Clone, Copy, Debug)]
+pub struct Options<'a> {
+    /// Functions that are called from outside, and which of their parameters may differ between rays.
+    pub roots: &'a [(&'a str, &'a [bool])],
+    /// As the roots; where they are called, a function of the same name in `hooks` is called instead, which may call
+    /// them in turn.
+    pub hooks: &'a [(&'a str, &'a [bool])],
+    /// What the processor must have, as for `target_feature(enable)`.
+    pub target_features: &'a str,
+}
+
+/// The Rust text of kernels and all that they call. It is meant to be included where the names of a module of `lanes`
+/// such as `lanes::avx512`, those of `lanes` itself and a module `hooks` are in scope; it defines `Globals`, which
+/// gives access to the tables, next to the structures and functions of the kernels.
+///
+/// # Errors
+/// If the text is no valid WGSL, a named function is missing, or something is used that has no lanes.
+pub fn vectorize(wgsl: &str, options: Options<'_>) -> Result<String, VectorizeError> {
+    let module = naga::front::wgsl::parse_str(wgsl)
+        .map_err(|error| VectorizeError::Parse { reason: error.emit_to_string(wgsl) })?;
+    let mut validator =
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+    let info = validator
+        .validate(&module)
+        .map_err(|error| VectorizeError::Validate { reason: error.emit_to_string(wgsl) })?;
+    let functions = reachable_functions(&module, &options)?;
+    let records = Records::of(&module, &functions)?;
+    let uniformity = Uniformity::of(&module, &functions, &options)?;
+    let writer = Writer { module: &module, info: &info, options, records, uniformity };
+
+    let mut text = String::new();
+    writer.write_globals(&mut text)?;
+    writer.write_structures(&functions, &mut text)?;
+    for function in functions {
+        writer.write_function(function, &mut text)?;
+    }
+    Ok(text)
+}
+
+/// What is known of the module while it is written.
+pub(crate) struct Writer<'a> {
+    pub module: &'a naga::Module,
+    pub info: &'a naga::valid::ModuleInfo,
+    pub options: Options<'a>,
+    pub records: Records,
+    pub uniformity: Uniformity,
+}
+
+impl Writer<'_> {
+    fn is_hook(&self, function: naga::Handle<naga::Function>) -> bool {
+        let name = self.module.functions[function].name.as_deref().unwrap_or_default();
+        self.options.hooks.iter().any(|(hook, _)| *hook == name)
+    }
+
+    /// `Globals`: the tables as words, and what is the same for all of a launch.
+    fn write_globals(&self, text: &mut String) -> Result<(), VectorizeError> {
+        text.push_str("/// What the kernels read.\n#[derive(Clone, Copy)]\npub struct Globals<'a> {\n");
+        text.push_str("    pub host: Host<'a>,\n");
+        for (_, global) in self.module.global_variables.iter() {
+            let name = global.name.as_deref().unwrap_or_default();
+            match global.space {
+                naga::AddressSpace::Storage { access } if !access.contains(naga::StorageAccess::STORE) => {
+                    _ = writeln!(text, "    pub {name}: Table<'a>,");
+                }
+                naga::AddressSpace::Uniform => {
+                    let kind = self.type_name(global.ty, true)?;
+                    _ = writeln!(text, "    pub {name}: {kind},");
+                }
+                _ => {}
+            }
+        }
+        text.push_str("}\n\n");
+        for (handle, global) in self.module.global_variables.iter() {
+            if global.space == naga::AddressSpace::Uniform {
+                let name = global.name.as_deref().unwrap_or_default();
+                let kind = self.type_name(global.ty, true)?;
+                let place =
+                    layout::TablePlace { table: handle, word: "0u32".to_owned(), offset: 0, uniform: true };
+                let value = self.fetched(&naga::Function::default(), global.ty, &place)?;
+                let value = value.replace(&format!("globals.{name}."), "words.");
+                _ = writeln!(
+                    text,
+                    "/// `{name}` from the words that it lies in.\npub fn read_{name}(words: Table<'_>) -> {kind} {{\n    \
+                     {value}\n}}\n"
+                );
+            }
+        }
+        Ok(())
+    }
+}
