@@ -1,5 +1,7 @@
 //! The CPU device: the kernels over slices, tiles spread over threads.
 
+#[cfg(target_arch = "x86_64")]
+mod lanes;
 mod reached;
 mod search;
 mod slices;
@@ -12,13 +14,25 @@ use kernels::layers::kernel::layers_of_pixel;
 use kernels::pixel::kernel::render_pixel;
 use kernels::records::kernel::{ALL_FEATURES, FilmPixel, LayerPixel, launched_samples};
 use rayon::prelude::*;
-use slices::{PLAIN_FEATURES, ShapeLine, shape_lines};
+use slices::{PLAIN_FEATURES, ShapeLine, leaves_are_single, shape_lines};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// How many rays a thread follows at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Lanes {
+    /// The kernels as they are, on any processor.
+    One,
+    /// Processors with AVX2.
+    Eight,
+    /// Processors with AVX-512.
+    Sixteen,
+}
 
 /// The processor of this machine.
 pub struct Cpu {
     pub(crate) threads: Arc<rayon::ThreadPool>,
+    lanes: Lanes,
 }
 
 impl Cpu {
@@ -32,7 +46,13 @@ impl Cpu {
             .thread_name(|index| format!("render-{index}"))
             .build()
             .map_err(|error| DeviceError::Threads { reason: error.to_string() })?;
-        Ok(Cpu { threads: Arc::new(threads) })
+        Ok(Cpu { threads: Arc::new(threads), lanes: Lanes::Sixteen })
+    }
+
+    /// Follows at most so many rays at once. Pictures are the same, bit for bit.
+    #[must_use]
+    pub fn with_lanes(self, lanes: Lanes) -> Self {
+        Cpu { lanes, ..self }
     }
 }
 
@@ -54,10 +74,17 @@ struct CpuScene {
     scene: Arc<CompiledScene>,
     /// Of every object.
     shapes: Vec<ShapeLine>,
+    leaves_are_single: bool,
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    lanes: Lanes,
 }
 
 /// Height of the tiles that nobody has chosen a size for; they are as wide as the picture.
 const TILE_ROWS: usize = 4;
+
+/// Edge of the squares of pixels that are rendered at a time in lanes.
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+const GROUP_EDGE: usize = 4;
 
 impl LoadedScene for CpuScene {
     fn add_samples(
@@ -69,6 +96,23 @@ impl LoadedScene for CpuScene {
     ) -> Result<(), DeviceError> {
         let launch = batch.launch(settings);
         let is_plain = self.is_plain();
+        #[cfg(target_arch = "x86_64")]
+        if let Some(scene) = lanes::LaneScene::new(self, launch, settings.renderer, self.lanes) {
+            let workspaces = lanes::Workspaces::default;
+            return self.for_groups(
+                settings,
+                batch,
+                pixels,
+                progress,
+                workspaces,
+                |workspaces, places, pixels| {
+                    let taken =
+                        pixels.iter().map(|pixel| u64::from(launched_samples(launch, pixel.samples))).sum();
+                    scene.render_pixels(workspaces, places, pixels);
+                    taken
+                },
+            );
+        }
         self.for_pixels(settings, batch, pixels, progress, |x, y, pixel| {
             let taken = launched_samples(launch, pixel.samples);
             *pixel = if is_plain {
@@ -98,8 +142,9 @@ impl LoadedScene for CpuScene {
 
 impl CpuScene {
     fn new(cpu: &Cpu, scene: Arc<CompiledScene>) -> Self {
-        let shapes = cpu.threads.install(|| shape_lines(&scene.objects));
-        CpuScene { threads: Arc::clone(&cpu.threads), scene, shapes }
+        let (shapes, leaves_are_single) =
+            cpu.threads.install(|| (shape_lines(&scene.objects), leaves_are_single(&scene.nodes)));
+        CpuScene { threads: Arc::clone(&cpu.threads), scene, shapes, leaves_are_single, lanes: cpu.lanes }
     }
 
     /// Whether the path tracer for plain scenes suffices.
@@ -108,7 +153,7 @@ impl CpuScene {
     }
 
     fn slices<const FEATURES: u32>(&self) -> Slices<'_, FEATURES> {
-        Slices::new(&self.scene, &self.shapes)
+        Slices::new(&self.scene, &self.shapes, self.leaves_are_single)
     }
 
     /// Calls `work` for every pixel, tiles spread over the threads; it returns the number of samples that it took.
@@ -119,6 +164,65 @@ impl CpuScene {
         pixels: &mut [P],
         progress: &Progress<'_>,
         work: impl Fn(u32, u32, &mut P) -> u32 + Sync,
+    ) -> Result<(), DeviceError> {
+        self.for_tiles(settings, batch, pixels, progress, |x, y, rows| {
+            let mut taken = 0;
+            for (y, line) in (y..).zip(rows) {
+                for (x, pixel) in (x..).zip(line) {
+                    taken += u64::from(work(x, y, pixel));
+                }
+            }
+            taken
+        })
+    }
+
+    /// Calls `work` for squares of pixels, given where they are and something made for the tile; it returns the number of
+    /// samples that it took.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    fn for_groups<P: Copy + Send, T>(
+        &self,
+        settings: &RenderSettings,
+        batch: &Batch,
+        pixels: &mut [P],
+        progress: &Progress<'_>,
+        for_tile: impl Fn() -> T + Sync,
+        work: impl Fn(&T, &[(u32, u32)], &mut [P]) -> u64 + Sync,
+    ) -> Result<(), DeviceError> {
+        self.for_tiles(settings, batch, pixels, progress, |x, y, mut rows| {
+            let mut taken = 0;
+            let made = for_tile();
+            let width = rows.first().map_or(0, |row| row.len());
+            let mut group = Vec::with_capacity(GROUP_EDGE * GROUP_EDGE);
+            let mut places = Vec::with_capacity(GROUP_EDGE * GROUP_EDGE);
+            for (band, rows) in rows.chunks_mut(GROUP_EDGE).enumerate() {
+                for start in (0..width).step_by(GROUP_EDGE) {
+                    let columns = start..width.min(start + GROUP_EDGE);
+                    group.clear();
+                    places.clear();
+                    for (row, line) in rows.iter().enumerate() {
+                        group.extend_from_slice(&line[columns.clone()]);
+                        let y = y + (band * GROUP_EDGE + row) as u32;
+                        places.extend(columns.clone().map(|column| (x + column as u32, y)));
+                    }
+                    taken += work(&made, &places, &mut group);
+                    for (line, group) in rows.iter_mut().zip(group.chunks(columns.len())) {
+                        line[columns.clone()].copy_from_slice(group);
+                    }
+                }
+            }
+            taken
+        })
+    }
+
+    /// Calls `work` for every tile, given the place of its first pixel, tiles spread over the threads; it returns the
+    /// number of samples that it took.
+    fn for_tiles<P: Send>(
+        &self,
+        settings: &RenderSettings,
+        batch: &Batch,
+        pixels: &mut [P],
+        progress: &Progress<'_>,
+        work: impl Fn(u32, u32, Vec<&mut [P]>) -> u64 + Sync,
     ) -> Result<(), DeviceError> {
         assert_eq!(pixels.len(), batch.pixels(settings), "pixels of a batch");
         if pixels.is_empty() {
@@ -134,13 +238,7 @@ impl CpuScene {
             if cancelled.load(Ordering::Relaxed) {
                 return;
             }
-            let mut taken = 0;
-            for (row, line) in rows.into_iter().enumerate() {
-                let y = launch.tile_y + (y + row) as u32;
-                for (column, pixel) in line.iter_mut().enumerate() {
-                    taken += u64::from(work(launch.tile_x + (x + column) as u32, y, pixel));
-                }
-            }
+            let taken = work(launch.tile_x + x as u32, launch.tile_y + y as u32, rows);
             let sum = done.fetch_add(taken, Ordering::Relaxed) + taken;
             if let ControlFlow::Break(()) = progress(sum) {
                 cancelled.store(true, Ordering::Relaxed);

@@ -17,6 +17,8 @@ pub(crate) struct Slices<'a, const FEATURES: u32> {
     scene: &'a CompiledScene,
     /// What of the objects rays are tested with, or nothing.
     shapes: &'a [ShapeLine],
+    /// See `leaves_are_single`.
+    leaves_are_single: bool,
 }
 
 /// A record that takes one line of the processor's cache.
@@ -29,16 +31,37 @@ pub(super) fn shape_lines(objects: &[ObjectRecord]) -> Vec<ShapeLine> {
     objects.par_iter().with_min_len(4096).map(|object| ShapeLine(object.shape)).collect()
 }
 
+/// See [`Slices::leaves_are_single`].
+pub(super) fn leaves_are_single(nodes: &[BvhNode]) -> bool {
+    nodes.par_iter().with_min_len(4096).all(|node| {
+        let leaves = u64::from(node.leaves0) | u64::from(node.leaves1) << 32;
+        let leaves = leaves.to_le_bytes().into_iter().filter(|leaf| *leaf != 0);
+        node.exponents == NODE_INSTANCE || (0u8..).zip(leaves).all(|(place, leaf)| leaf == 1 << 5 | place)
+    })
+}
+
 impl<'a, const FEATURES: u32> Slices<'a, FEATURES> {
-    pub(super) fn new(scene: &'a CompiledScene, shapes: &'a [ShapeLine]) -> Self {
-        Slices { scene, shapes }
+    pub(super) fn new(scene: &'a CompiledScene, shapes: &'a [ShapeLine], leaves_are_single: bool) -> Self {
+        Slices { scene, shapes, leaves_are_single }
+    }
+
+    /// Whether all leaves of the hierarchies hold one object, those of a node in the order of its children.
+    #[inline]
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    pub(super) fn leaves_are_single(self) -> bool {
+        self.leaves_are_single
+    }
+
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    pub(super) fn scene(self) -> &'a CompiledScene {
+        self.scene
     }
 }
 
 impl<'a> Slices<'a, ALL_FEATURES> {
     /// A view that needs no preparation, for a few rays.
     pub(crate) fn of(scene: &'a CompiledScene) -> Self {
-        Slices { scene, shapes: &[] }
+        Slices { scene, shapes: &[], leaves_are_single: false }
     }
 }
 

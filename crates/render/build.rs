@@ -1,0 +1,58 @@
+//! Writes the kernels with lanes for the vector units of processors, from the WGSL that graphics cards run.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let source = PathBuf::from("src/gpu/path_tracer.wgsl");
+    println!("cargo::rerun-if-changed={}", source.display());
+    println!("cargo::rerun-if-changed=build.rs");
+    let wgsl = std::fs::read_to_string(&source)?;
+    let out = PathBuf::from(std::env::var("OUT_DIR")?);
+    let all = constant(&wgsl, "ALL_FEATURES")?;
+    let mut plain = all & !(1 << constant(&wgsl, "SHAPE_TRIANGLE")?);
+    for left_out in [
+        "FEATURE_LOBES",
+        "FEATURE_MEDIA",
+        "FEATURE_PROGRAMS",
+        "FEATURE_POSITIONS",
+        "FEATURE_LIGHT_TABLES",
+        "FEATURE_MANY_NODES",
+    ] {
+        plain &= !constant(&wgsl, left_out)?;
+    }
+    let declaration = |features: u32| format!("const FEATURES: u32 = {features}u;");
+    let large = plain | constant(&wgsl, "FEATURE_MANY_NODES")?;
+    let path_tracer: (&str, &[bool]) = ("render_pixel_Buffers", &[false, false, true, true, true]);
+    for (unit, target_features) in [
+        ("avx512", "avx512f,avx512bw,avx512dq,avx512vl,avx512cd,bmi1,bmi2,lzcnt,popcnt"),
+        ("avx2", "avx2,bmi1,bmi2,lzcnt,popcnt"),
+    ] {
+        let alone = vectorizer::Options { roots: &[path_tracer], hooks: &[], target_features };
+        let in_turns = vectorizer::Options {
+            roots: &[
+                path_tracer,
+                ("meet_object_Buffers", &[false, true, true, true, true, true]),
+                ("is_dark", &[true]),
+            ],
+            hooks: &[("search_Buffers", &[false, true, true, true])],
+            ..alone
+        };
+        for (kind, features, options) in
+            [("small", plain, alone), ("large", large, in_turns), ("general", all, in_turns)]
+        {
+            let wgsl = wgsl.replace(&declaration(all), &declaration(features));
+            std::fs::write(out.join(format!("{kind}_{unit}.rs")), vectorizer::vectorize(&wgsl, options)?)?;
+        }
+    }
+    Ok(())
+}
+
+/// The number that a constant of the kernels has.
+fn constant(wgsl: &str, name: &str) -> Result<u32, Box<dyn Error>> {
+    let declaration = format!("const {name}: u32 = ");
+    let (_, rest) =
+        wgsl.split_once(&declaration).ok_or_else(|| format!("no `{declaration}` in the kernels"))?;
+    let (number, _) = rest.split_once("u;").ok_or_else(|| format!("no number behind `{declaration}`"))?;
+    Ok(number.parse()?)
+}
