@@ -3,10 +3,10 @@
 use crate::bench_arguments::{CompareArguments, MatrixArguments};
 use crate::camera_arguments::CameraArguments;
 use crate::option_values::{
-    Pixel, Size, parse_acceleration, parse_background, parse_crop, parse_exposure, parse_flatness,
-    parse_noise, parse_time, picture_path, whole_number,
+    Pixel, SampleRange, Size, parse_acceleration, parse_background, parse_crop, parse_exposure,
+    parse_flatness, parse_noise, parse_sample_range, parse_time, picture_path, whole_number,
 };
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use render::{
     Acceleration, CropWindow, DeviceChoice, Filter, Layers, RenderSettings, Renderer, Sampler, Sampling,
     StopRule,
@@ -22,6 +22,27 @@ pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+
+    /// What is told beside the answer.
+    #[command(flatten)]
+    pub log: LogArguments,
+
+    /// Keep the drivers of graphics cards from storing compiled programs for the next time; everything else that
+    /// Sunshine writes is named on the command line
+    #[arg(long, global = true)]
+    pub no_cache: bool,
+}
+
+/// What every command can tell of its work.
+#[derive(Debug, Args)]
+pub struct LogArguments {
+    /// Tell what is being done, with times; -vv tells more
+    #[arg(short, long, global = true, action = ArgAction::Count)]
+    pub verbose: u8,
+
+    /// Append what is being done, with times, and all messages to this file
+    #[arg(long, global = true, value_name = "FILE")]
+    pub log_file: Option<PathBuf>,
 }
 
 /// The commands.
@@ -33,8 +54,15 @@ pub enum Command {
     Info(InfoArguments),
     /// List the processors and graphics cards that can render
     Devices,
+    /// Join films that were rendered with --sample-range
+    Merge(MergeArguments),
+    /// Tell how a picture or a film was made
+    Show(ShowArguments),
     /// Measure this machine
     Bench(BenchArguments),
+    /// Write manual pages and completions for shells
+    #[command(hide = true)]
+    Generate(GenerateArguments),
 }
 
 /// `sunshine render`.
@@ -79,6 +107,27 @@ pub struct RenderArguments {
     /// pictures without it; an .exr keeps them as noisy.R, noisy.G, noisy.B. README.md says how to get it
     #[arg(long, conflicts_with = "pixel")]
     pub denoise: bool,
+
+    /// Save the unfinished picture to this film file every few minutes, at the end, and when Ctrl-C or the batch system
+    /// stops the rendering; --resume goes on with it. Whatever happens, the file is whole: the last state that was saved
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["adaptive", "pixel"])]
+    pub checkpoint: Option<PathBuf>,
+
+    /// Go on with a film that --checkpoint saved, as if it had never been stopped, and keep saving it. The scene and all
+    /// settings must be the same. With the same --checkpoint FILE a missing film means: start from the beginning
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["adaptive", "pixel"])]
+    pub resume: Option<PathBuf>,
+
+    /// Time between two savings of --checkpoint, for example 90, 90s or 10m
+    #[arg(long, value_name = "TIME", default_value = "5m", value_parser = parse_time)]
+    pub checkpoint_every: Duration,
+
+    /// Render only these of the --samples, to share them among machines: from A, which is a multiple of 64, up to and
+    /// without B, a multiple of 64 or the last. `sunshine merge` joins the films of all shares to exactly the picture
+    /// of one run. A picture is written only if --output names it
+    #[arg(long, value_name = "A..B", value_parser = parse_sample_range,
+          conflicts_with_all = ["adaptive", "pixel", "time", "noise"])]
+    pub sample_range: Option<SampleRange>,
 
     /// Number of surfaces that a light path may touch; 1 shows direct light only, shaded leaves need 5 or more
     #[arg(long, value_name = "N", default_value_t = RenderSettings::default().depth,
@@ -208,6 +257,21 @@ impl RenderArguments {
         }
     }
 
+    /// The options beside the renderer's settings that make the picture what it is, to be told in its file.
+    pub fn scene_options(&self) -> Vec<(String, String)> {
+        let mut options = self.camera.options();
+        if self.srgb_textures {
+            options.push(("srgb-textures", String::new()));
+        }
+        if let Some(flatness) = self.flatness {
+            options.push(("flatness", flatness.to_string()));
+        }
+        if self.accel == Acceleration::None {
+            options.push(("accel", "none".to_owned()));
+        }
+        options.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+
     /// How the samples are to be spread.
     pub fn sampling(&self) -> Sampling {
         match (self.time, self.noise) {
@@ -330,6 +394,45 @@ pub struct ThesisArguments {
     /// Print nothing but the tables and errors
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// `sunshine merge`.
+#[derive(Debug, Args)]
+pub struct MergeArguments {
+    /// Films of one picture, in any order
+    #[arg(required = true, value_name = "FILM")]
+    pub films: Vec<PathBuf>,
+
+    /// What to write: a .png or an .exr of the picture, or a .film, to be merged with others
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+
+    /// Make a picture although samples are missing, to see how it will look
+    #[arg(long)]
+    pub unfinished: bool,
+
+    /// Brightness of a .png in photographic stops; chosen from the picture when missing
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = parse_exposure)]
+    pub exposure: Option<f32>,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// `sunshine show`.
+#[derive(Debug, Args)]
+pub struct ShowArguments {
+    /// Pictures (.png, .exr) and films that Sunshine wrote
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+}
+
+/// `sunshine generate`.
+#[derive(Debug, Args)]
+pub struct GenerateArguments {
+    /// Where to put the files
+    pub folder: PathBuf,
 }
 
 /// `sunshine info`.

@@ -66,6 +66,23 @@ impl CameraArguments {
         Ok(())
     }
 
+    /// What is given, as options without dashes and their values.
+    pub fn options(&self) -> Vec<(&'static str, String)> {
+        let CameraArguments { camera_position, camera_target, camera_up, fov, parallel, aperture, focus } =
+            self;
+        let points = [
+            ("camera-position", camera_position),
+            ("camera-target", camera_target),
+            ("camera-up", camera_up),
+        ];
+        let numbers = [("fov", fov), ("parallel", parallel), ("aperture", aperture), ("focus", focus)];
+        let points = points.into_iter().filter_map(|(name, point)| {
+            (*point).map(|point| (name, format!("{},{},{}", point.x, point.y, point.z)))
+        });
+        let numbers = numbers.into_iter().filter_map(|(name, number)| Some((name, (*number)?.to_string())));
+        points.chain(numbers).collect()
+    }
+
     /// Where the camera will stand and at what it will look.
     fn line_of_sight(&self, scene: &Scene) -> (DVec3, DVec3) {
         let saved = scene.camera.view_from_world.inverse();

@@ -1,7 +1,9 @@
 //! Everything that can go wrong, with the exit code it has.
 
 use groimp::ReadError;
-use render::{CompileError, DeviceError, PictureError, RenderError};
+use render::{
+    CompileError, DeviceError, Difference, FilmFileError, Overlap, PictureError, RecordError, RenderError,
+};
 use std::error::Error;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -76,6 +78,71 @@ pub enum Failure {
         /// What was found in it, and where.
         source: serde_json::Error,
     },
+    /// There is nothing to continue.
+    #[error(
+        "there is no film {0}; --resume continues what --checkpoint saved. Give --checkpoint {0} as well to start from \
+         the beginning when it is missing",
+        path.display()
+    )]
+    NoFilm {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A film cannot be used.
+    #[error("the film {} cannot be used", path.display())]
+    Film {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: FilmFileError,
+    },
+    /// A film is one of another picture.
+    #[error("the film {} is not of this picture", path.display())]
+    OtherPicture {
+        /// The file.
+        path: PathBuf,
+        /// In what it differs.
+        #[source]
+        difference: Difference,
+    },
+    /// A film has samples that are there already.
+    #[error("the film {} cannot be joined with those before it", path.display())]
+    Overlap {
+        /// The file.
+        path: PathBuf,
+        /// What is there twice.
+        #[source]
+        overlap: Overlap,
+    },
+    /// A picture is not complete.
+    #[error(
+        "the picture is not complete: samples {missing} are missing. Merge the films of all shares; a film that was \
+         stopped early is finished with --resume. --unfinished makes a picture of what is there"
+    )]
+    Missing {
+        /// What is missing.
+        missing: String,
+    },
+    /// A file does not tell how it was made.
+    #[error("{} tells nothing", path.display())]
+    Record {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: RecordError,
+    },
+    /// Signals cannot be heard.
+    #[error("Ctrl-C cannot be listened to")]
+    Signals(#[source] io::Error),
+    /// Somebody asked to stop before there was anything to keep.
+    #[error(
+        "stopped; nothing is written, because a picture of this size is not kept in memory, nor is one with --adaptive. \
+         With --checkpoint FILE it can be stopped and continued at any time"
+    )]
+    Interrupted {
+        /// As shells have it for the signal.
+        exit_code: u8,
+    },
     /// Standard output does not take any more.
     #[error("the answer cannot be printed")]
     Print(#[from] io::Error),
@@ -87,10 +154,11 @@ impl Failure {
         move |error| Failure::Read { path: path.to_owned(), source: Box::new(error) }
     }
 
-    /// 2 for a wrong command line, 1 for everything else.
+    /// 2 for a wrong command line, 130 after Ctrl-C, 1 for everything else.
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Failure::Usage(_) => ExitCode::from(2),
+            Failure::Interrupted { exit_code } => ExitCode::from(*exit_code),
             _ => ExitCode::from(1),
         }
     }

@@ -150,6 +150,21 @@ pub fn parse_background(text: &str) -> Result<[f32; 3], String> {
         .ok_or_else(|| "expected three numbers from 0 to 1e12, for example 0.2,0.3,0.5".to_owned())
 }
 
+/// Samples of every pixel, from the first to before the last.
+pub type SampleRange = std::ops::Range<u32>;
+
+/// Samples as `64..128`.
+pub fn parse_sample_range(text: &str) -> Result<SampleRange, String> {
+    let wrong = || "expected two numbers of samples, for example 0..256 or 256..512".to_owned();
+    let (first, end) = text.split_once("..").ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
+    let (first, end) = (number(first)?, number(end)?);
+    if first >= end {
+        return Err("the second number must be greater than the first".to_owned());
+    }
+    Ok(first..end)
+}
+
 /// Part of a picture.
 pub fn parse_crop(text: &str) -> Result<CropWindow, String> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();

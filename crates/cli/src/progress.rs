@@ -18,6 +18,7 @@ pub struct Messages {
 impl Messages {
     /// Says one thing.
     pub fn line(&self, text: &str) {
+        tracing::info!(target: crate::log::SAID, "{text}");
         if !self.quiet {
             // Work is not given up because nobody listens.
             let _ = writeln!(io::stderr(), "{text}");

@@ -1,38 +1,39 @@
 //! `sunshine render`: from a scene file to a picture file.
 
+use crate::Answer;
 use crate::arguments::RenderArguments;
+use crate::checkpoints;
 use crate::denoising::Denoiser;
 use crate::failure::Failure;
+use crate::interruption::Interruption;
 use crate::option_values::Pixel;
-use crate::progress::{Messages, RenderProgress};
+use crate::progress::Messages;
+use crate::rendering::{Follower, Plan, Rendered, render_film};
 use crate::statistics::{Seconds, Statistics, count_text, duration_text, timed};
 use render::{
-    BAND_BYTES, Band, BandStatistics, NoisyPicture, Origins, PictureFormat, PictureTarget, RenderSettings,
-    Renderer, Sampling, StopRule,
+    BAND_BYTES, Band, BandStatistics, CompiledScene, DeviceError, Ending, Layers, LoadedScene, NoisyPicture,
+    Origins, PictureFormat, PictureTarget, Provenance, RenderError, RenderSettings, Renderer, Samples,
 };
 use std::cell::Cell;
 use std::io::{self, Write};
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Renders and writes the picture; returns the summary to print.
-pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
+pub fn run(arguments: &RenderArguments) -> Result<Answer, Failure> {
     let messages = Messages { quiet: arguments.quiet };
-    let settings = arguments.settings();
-    check_crop(&settings)?;
-    let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene));
+    check_crop(&arguments.settings())?;
+    let plan = Plan::new(arguments)?;
+    let settings = &plan.settings;
+    let output = output(arguments);
     // Before hours of work rather than after.
-    let format = PictureFormat::from_path(&output)?;
-    check_outputs(&output, arguments.stats.as_deref())?;
+    let format = output.as_deref().map(PictureFormat::from_path).transpose()?;
+    check_outputs(&[output.as_deref(), arguments.stats.as_deref(), checkpoints::path(arguments)])?;
+    checkpoints::check_path(arguments)?;
 
     let mut layers = arguments.layers.clone().unwrap_or_default();
-    if !layers.is_empty() && format != PictureFormat::Exr {
-        return Err(Failure::Usage(format!(
-            "--layers needs an .exr; {} has no place for them",
-            output.display()
-        )));
+    if !layers.is_empty() && format != Some(PictureFormat::Exr) {
+        return Err(Failure::Usage("--layers needs an .exr; no other file has a place for them".to_owned()));
     }
     if let Some(directory) = &arguments.dump_wgsl {
         write_kernels(directory, messages)?;
@@ -41,14 +42,15 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     let mut seconds = Seconds::default();
     let threads = arguments.threads.map(|threads| threads as usize);
     if let Some(pixel) = arguments.pixel {
-        return pixel_events(arguments, pixel, messages);
+        return Ok(pixel_events(arguments, pixel, messages)?.into());
     }
-    let denoiser = open_denoiser(arguments, &settings, threads)?;
+    let denoiser = open_denoiser(arguments, settings, threads)?;
     if let Some(denoiser) = &denoiser {
         layers = layers.denoised_by(denoiser.to_string());
     }
     // A device that is not there is told before a large scene is read.
     let device = timed(&mut seconds.open, || render::open_device(arguments.device, threads))?;
+    tracing::info!("opened {}", device.name());
     let mut project =
         timed(&mut seconds.read, || groimp::read_with(&arguments.scene, &arguments.read_options()))
             .map_err(Failure::reading(&arguments.scene))?;
@@ -56,76 +58,202 @@ pub fn run(arguments: &RenderArguments) -> Result<String, Failure> {
     arguments.camera.apply(&mut project.scene)?;
     let scene =
         Arc::new(timed(&mut seconds.compile, || render::compile_with(&project.scene, arguments.accel))?);
+    tracing::info!(
+        objects = project.scene.drawn_objects(),
+        triangles = scene.triangles(),
+        "read the scene in {}, compiled it in {}",
+        duration_text(seconds.read),
+        duration_text(seconds.compile)
+    );
     let render::ReadyDevice { device, scene: loaded } = timed(&mut seconds.upload, || {
         render::load_for(device, arguments.device, threads, &scene, settings.renderer)
     })?;
+    tracing::info!("{} is ready after {}", device.name(), duration_text(seconds.upload));
+    let mut provenance = provenance(arguments, &plan, &scene, device.kind());
+    tracing::debug!("scene hash {}", provenance.scene_hash);
 
-    let progress = Follower::new(arguments, &settings, messages);
-    let origins = Origins::of(&scene);
-    let target = PictureTarget {
-        path: &output,
-        width: settings.window().width,
-        height: settings.window().height,
-        exposure: arguments.exposure,
-        layers: &layers,
-        origins: &origins,
+    let interruption = Interruption::listen().map_err(Failure::Signals)?;
+    let follower = Follower::new(&plan, interruption.clone(), messages);
+    let given_up = |failure: Failure| match failure {
+        Failure::Device(DeviceError::Cancelled)
+        | Failure::Render(RenderError::Device(DeviceError::Cancelled)) => {
+            Failure::Interrupted { exit_code: interruption.exit_code() }
+        }
+        other => other,
     };
-    let mut rendered = BandStatistics::default();
-    let mut total = 0.0;
-    let stops = timed(&mut total, || {
-        render::stream_picture(&target, |sink| {
-            // Rows are written while others are still to be rendered.
-            let (mut producing, mut writing) = (0.0, 0.0);
-            let denoising = Cell::new(0.0);
-            rendered = timed(&mut producing, || {
-                let (scene, sampling) = (loaded.as_ref(), arguments.sampling());
-                let update = |done| progress.update(done);
-                let mut write = |band: &Band<'_>| {
-                    let mut step = 0.0;
-                    let result = timed(&mut step, || sink(band));
-                    writing += step;
-                    result
-                };
-                let Some(denoiser) = &denoiser else {
-                    let traced = layers.are_traced();
-                    return render::render_bands(
-                        scene, &settings, sampling, traced, BAND_BYTES, &update, &mut write,
-                    );
-                };
-                let denoise = |picture: &NoisyPicture| {
-                    let mut step = 0.0;
-                    let result = timed(&mut step, || denoiser.denoise(picture));
-                    denoising.set(step);
-                    result
-                };
-                render::render_denoised(scene, &settings, sampling, &denoise, &update, &mut write)
-            })?;
-            seconds.denoise = denoising.get();
-            seconds.render = producing - writing - seconds.denoise;
-            Ok(())
-        })
-    })?;
-    seconds.write = total - seconds.render - seconds.denoise;
-    progress.finish();
+    let kept = match plan.goal {
+        Some(goal) => Some(
+            render_film(arguments, &plan, goal, loaded.as_ref(), &provenance, &follower).map_err(given_up)?,
+        ),
+        None => None,
+    };
+    let ending = kept.as_ref().map_or(Ending::Complete, |rendered| rendered.ending);
+    seconds.render = kept.as_ref().map_or(0.0, |rendered| rendered.seconds);
+    provenance.samples = kept.as_ref().map_or(settings.samples, |rendered| rendered.samples);
 
-    if rendered.black {
-        messages.line(
-            "warning: the picture is black: nothing that the camera sees is lit. `sunshine info` shows where the camera and \
-             the objects are",
-        );
+    let mut rendered = BandStatistics::default();
+    let mut stops = None;
+    if let Some(output) = &output {
+        let picture = Picture {
+            arguments,
+            settings,
+            output,
+            layers: &layers,
+            origins: &Origins::of(&scene),
+            provenance: &provenance,
+            denoiser: denoiser.as_ref(),
+        };
+        let update = |done| follower.update(done);
+        let kept = kept.as_ref();
+        let exposure = picture.write(loaded.as_ref(), kept, &update, &mut rendered, &mut seconds);
+        stops = Some(exposure.map_err(given_up)?);
+        if rendered.black && ending == Ending::Complete {
+            messages.line(
+                "warning: the picture is black: nothing that the camera sees is lit. `sunshine info` shows where the \
+                 camera and the objects are",
+            );
+        }
+    } else if let Some(Rendered { film, .. }) = &kept {
+        rendered.samples = film.samples();
+        rendered.rays = film.rays();
     }
-    let exposure = Exposure::of(format, arguments.exposure, stops);
-    let mut statistics = Statistics::new(&settings, &rendered);
+    follower.finish(ending);
+
+    let mut statistics = Statistics::new(settings, &rendered);
     statistics.denoiser = denoiser.map(|denoiser| denoiser.to_string());
     statistics.device = device.name();
     statistics.objects = project.scene.drawn_objects();
     statistics.triangles = scene.triangles();
-    statistics.exposure = format.is_exposed().then_some(stops);
+    statistics.exposure = stops.filter(|_| format.is_some_and(PictureFormat::is_exposed));
     statistics.seconds = seconds;
     if let Some(path) = &arguments.stats {
         statistics.write(path)?;
     }
-    Ok(if arguments.quiet { String::new() } else { summary(&statistics, exposure, &output) })
+    let mut text = String::new();
+    if !arguments.quiet {
+        if let (Some(format), Some(stops)) = (format, stops) {
+            text = format!("{}\n", Exposure::of(format, arguments.exposure, stops));
+        }
+        text += &summary(&statistics);
+        if ending == Ending::Stopped {
+            text += &stopped(arguments, &plan, provenance.samples);
+        }
+        for path in [checkpoints::path(arguments), output.as_deref()].into_iter().flatten() {
+            text += &format!("wrote {}\n", path.display());
+        }
+    }
+    let exit_code = if ending == Ending::Stopped { interruption.exit_code() } else { 0 };
+    Ok(Answer { text, exit_code })
+}
+
+/// What was asked for, to be told in files.
+fn provenance(arguments: &RenderArguments, plan: &Plan, scene: &CompiledScene, device: String) -> Provenance {
+    let mut settings = plan.settings.options();
+    if arguments.adaptive {
+        settings.push(("adaptive".to_owned(), String::new()));
+    }
+    settings.extend(arguments.scene_options());
+    Provenance {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        scene: scene_name(&arguments.scene).unwrap_or_default().to_string_lossy().into_owned(),
+        scene_hash: scene.hash(),
+        device,
+        samples: 0,
+        settings,
+    }
+}
+
+/// How far it came, and how to go on.
+fn stopped(arguments: &RenderArguments, plan: &Plan, samples: u32) -> String {
+    let planned = match plan.goal {
+        Some(render::Goal::Samples(_)) => format!(" of {}", plan.wanted.end - plan.wanted.start),
+        _ => String::new(),
+    };
+    let next = match checkpoints::path(arguments) {
+        Some(path) => format!("the same command with --resume {} goes on", path.display()),
+        None => "with --checkpoint FILE it could be continued".to_owned(),
+    };
+    format!("stopped after {samples}{planned} samples per pixel; {next}\n")
+}
+
+/// What is needed to write a picture.
+struct Picture<'a> {
+    arguments: &'a RenderArguments,
+    settings: &'a RenderSettings,
+    output: &'a Path,
+    layers: &'a Layers,
+    origins: &'a Origins,
+    provenance: &'a Provenance,
+    denoiser: Option<&'a Denoiser>,
+}
+
+impl Picture<'_> {
+    /// Writes the film, or what is rendered meanwhile; returns the exposure in stops.
+    fn write(
+        &self,
+        loaded: &dyn LoadedScene,
+        kept: Option<&Rendered>,
+        progress: &render::Progress<'_>,
+        rendered: &mut BandStatistics,
+        seconds: &mut Seconds,
+    ) -> Result<f32, Failure> {
+        let target = PictureTarget {
+            path: self.output,
+            width: self.settings.window().width,
+            height: self.settings.window().height,
+            exposure: self.arguments.exposure,
+            layers: self.layers,
+            origins: self.origins,
+            provenance: Some(self.provenance),
+        };
+        let samples = match kept {
+            Some(rendered) => Samples::Taken(&rendered.film),
+            None => self.arguments.sampling().into(),
+        };
+        // Of a film that is complete nothing more is to be told than that.
+        let update = |done| if kept.is_some() { render::ControlFlow::Continue(()) } else { progress(done) };
+        let (mut total, mut tracing) = (0.0, 0.0);
+        let stops = timed(&mut total, || {
+            render::stream_picture(&target, |sink| {
+                // Rows are written while others are still to be rendered.
+                let (mut producing, mut writing) = (0.0, 0.0);
+                let denoising = Cell::new(0.0);
+                *rendered = timed(&mut producing, || {
+                    let mut write = |band: &Band<'_>| {
+                        let mut step = 0.0;
+                        let result = timed(&mut step, || sink(band));
+                        writing += step;
+                        result
+                    };
+                    let Some(denoiser) = self.denoiser else {
+                        let traced = self.layers.are_traced();
+                        return render::render_bands(
+                            loaded,
+                            self.settings,
+                            samples,
+                            traced,
+                            BAND_BYTES,
+                            &update,
+                            &mut write,
+                        );
+                    };
+                    let denoise = |picture: &NoisyPicture| {
+                        let mut step = 0.0;
+                        let result = timed(&mut step, || denoiser.denoise(picture));
+                        denoising.set(step);
+                        result
+                    };
+                    render::render_denoised(loaded, self.settings, samples, &denoise, &update, &mut write)
+                })?;
+                seconds.denoise = denoising.get();
+                tracing = producing - writing - seconds.denoise;
+                Ok(())
+            })
+        })?;
+        seconds.render += tracing;
+        seconds.write = total - tracing - seconds.denoise;
+        Ok(stops)
+    }
 }
 
 /// The denoiser, if one is wanted; that there is none, or too little memory, is told before hours of work.
@@ -140,41 +268,6 @@ fn open_denoiser(
     let denoiser = Denoiser::open(threads)?;
     render::check_denoised_size(settings)?;
     Ok(Some(denoiser))
-}
-
-/// Progress as a share of the samples or of the time, whichever is known beforehand.
-struct Follower {
-    progress: RenderProgress,
-    total: u64,
-    start: Instant,
-    by_time: bool,
-}
-
-impl Follower {
-    fn new(arguments: &RenderArguments, settings: &RenderSettings, messages: Messages) -> Self {
-        let total = match arguments.sampling() {
-            Sampling::Until(StopRule { time: Some(time), .. }) => {
-                time.as_millis().try_into().unwrap_or(u64::MAX)
-            }
-            Sampling::Until(StopRule { most_samples: samples, .. }) => {
-                RenderSettings { samples, ..settings.clone() }.total_samples()
-            }
-            Sampling::Uniform | Sampling::Adaptive => settings.total_samples(),
-        };
-        let by_time = arguments.time.is_some();
-        Follower { progress: messages.follow(total), total, start: Instant::now(), by_time }
-    }
-
-    fn update(&self, samples: u64) -> ControlFlow<()> {
-        let milliseconds = || self.start.elapsed().as_millis().try_into().unwrap_or(u64::MAX);
-        self.progress.update(if self.by_time { milliseconds() } else { samples })
-    }
-
-    fn finish(&self) {
-        // A time or a noise may be reached a little before what was expected.
-        let _ = self.progress.update(self.total);
-        self.progress.finish();
-    }
 }
 
 /// Tells what happens on the paths of a pixel.
@@ -247,7 +340,7 @@ impl std::fmt::Display for Exposure {
     }
 }
 
-fn summary(statistics: &Statistics, exposure: Exposure, output: &Path) -> String {
+fn summary(statistics: &Statistics) -> String {
     let seconds = statistics.seconds.render;
     // A clock that did not move between two looks must not give infinity.
     let rate = statistics.samples as f64 / seconds.max(1e-9);
@@ -259,12 +352,11 @@ fn summary(statistics: &Statistics, exposure: Exposure, output: &Path) -> String
         format!("denoised by {denoiser} in {seconds}: good to look at, but biased; do not measure in it\n")
     });
     format!(
-        "{exposure}\nrendered in {} on {}, {} samples/s\n{} samples per pixel{noise}\n{denoised}wrote {}\n",
+        "rendered in {} on {}, {} samples/s\n{} samples per pixel{noise}\n{denoised}",
         duration_text(seconds),
         statistics.device,
         count_text(rate),
         (statistics.samples_per_pixel * 100.0).round() / 100.0,
-        output.display()
     )
 }
 
@@ -278,18 +370,28 @@ fn check_crop(settings: &RenderSettings) -> Result<(), Failure> {
     }
 }
 
-fn check_outputs(picture: &Path, statistics: Option<&Path>) -> Result<(), Failure> {
-    if statistics == Some(picture) {
-        return Err(Failure::Usage(format!(
-            "--output and --stats are the same file, {}; give them different names",
-            picture.display()
-        )));
+/// Two files must not have the same name, and all must be writable.
+fn check_outputs(paths: &[Option<&Path>; 3]) -> Result<(), Failure> {
+    let paths: Vec<&Path> = paths.iter().flatten().copied().collect();
+    for (number, path) in paths.iter().enumerate() {
+        if paths[..number].contains(path) {
+            return Err(Failure::Usage(format!(
+                "two of --output, --stats and --checkpoint are the same file, {}; give them different names",
+                path.display()
+            )));
+        }
     }
-    for path in [Some(picture), statistics].into_iter().flatten() {
+    for path in paths {
         render::check_writable(path)
             .map_err(|source| Failure::NotWritable { path: path.to_owned(), source })?;
     }
     Ok(())
+}
+
+/// Where the picture goes; shares make none unless it is asked for.
+fn output(arguments: &RenderArguments) -> Option<PathBuf> {
+    let by_itself = || arguments.sample_range.is_none().then(|| default_output(&arguments.scene));
+    arguments.output.clone().or_else(by_itself)
 }
 
 /// The scene's name with .png, in the current directory.
@@ -338,8 +440,9 @@ mod tests {
     fn one_file_cannot_be_both_outputs() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("a.png");
-        assert!(matches!(check_outputs(&path, Some(&path)), Err(Failure::Usage(_))));
-        assert!(check_outputs(&path, None).is_ok());
+        assert!(matches!(check_outputs(&[Some(&path), Some(&path), None]), Err(Failure::Usage(_))));
+        assert!(matches!(check_outputs(&[Some(&path), None, Some(&path)]), Err(Failure::Usage(_))));
+        assert!(check_outputs(&[Some(&path), None, None]).is_ok());
     }
 
     #[test]

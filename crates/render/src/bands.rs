@@ -1,8 +1,9 @@
 //! A picture band by band: rows are rendered, handed on and forgotten, so that memory does not grow with the picture.
 
 use crate::film::mean_radiance;
+use crate::film_memory::{check_film, check_kept};
 use crate::passes::{StopRule, render_until};
-use crate::{Batch, LoadedScene, Progress, RenderError, RenderSettings, adaptive};
+use crate::{Batch, Film, FilmSums, Goal, LoadedScene, Progress, RenderError, RenderSettings, adaptive};
 use bytemuck::Zeroable;
 use kernels::records::kernel::{FilmPixel, LayerPixel};
 
@@ -39,10 +40,23 @@ pub enum Sampling {
     Until(StopRule),
 }
 
+/// Where the samples of a picture come from.
+#[derive(Clone, Copy, Debug)]
+pub enum Samples<'a> {
+    /// They are still to be taken.
+    ToTake(Sampling),
+    /// They are taken already: all of the picture's window.
+    Taken(&'a Film),
+}
+
+impl From<Sampling> for Samples<'_> {
+    fn from(sampling: Sampling) -> Self {
+        Samples::ToTake(sampling)
+    }
+}
+
 /// Bytes that a band may take as a rule.
 pub const BAND_BYTES: u64 = 256 << 20;
-/// Bytes that the films of [`Sampling::Adaptive`] and [`Sampling::Until`], which are in memory as a whole, may take.
-pub const FILM_BYTES: u64 = 4 << 30;
 /// Bands have a multiple of this number of rows: the height of EXR's compressed blocks.
 const ROW_STEP: u32 = 16;
 
@@ -64,66 +78,66 @@ pub struct BandStatistics {
 /// Rows of a band of a picture, given the bytes that it may take: all rows if they fit, else a multiple of 16.
 pub fn band_rows(settings: &RenderSettings, with_layers: bool, bytes: u64) -> u32 {
     let layer = if with_layers { size_of::<LayerPixel>() } else { 0 };
-    let row = u64::from(settings.window().width) * (size_of::<FilmPixel>() + layer) as u64;
+    let film = FilmSums::most_films(settings.samples) as usize * size_of::<FilmPixel>();
+    let row = u64::from(settings.window().width) * (film + layer) as u64;
     let rows = u32::try_from(bytes / row.max(1)).unwrap_or(u32::MAX);
     let height = settings.window().height;
     if rows >= height { height } else { (rows / ROW_STEP).max(1) * ROW_STEP }
 }
 
 /// Renders a picture, with the layers if they are wanted, and hands its bands from top to bottom to `sink`. A band
-/// takes about `bytes`. `progress` hears of the samples of the whole picture.
+/// takes about `bytes`. `progress` hears of the samples of the whole picture. For samples that are taken already the
+/// settings must be those that they were taken with, so that the layers are made of the same rays.
 ///
 /// # Errors
 /// If the device fails, `progress` asks to stop, or `sink` fails.
-pub fn render_bands(
+pub fn render_bands<'a>(
     scene: &dyn LoadedScene,
     settings: &RenderSettings,
-    sampling: Sampling,
+    samples: impl Into<Samples<'a>>,
     with_layers: bool,
     bytes: u64,
     progress: &Progress<'_>,
     sink: &mut dyn FnMut(&Band<'_>) -> Result<(), RenderError>,
 ) -> Result<BandStatistics, RenderError> {
-    let planned;
-    let settings = match sampling {
-        Sampling::Uniform | Sampling::Adaptive => settings,
-        // So that the layers are made of the same rays as the picture.
-        Sampling::Until(rule) => {
+    let (planned, rendered);
+    let (settings, film) = match samples.into() {
+        Samples::Taken(film) => (settings, Some(film)),
+        Samples::ToTake(Sampling::Uniform) => (settings, None),
+        Samples::ToTake(Sampling::Adaptive) => {
+            let window = settings.window();
+            let halves = 2 * u64::from(window.width) * u64::from(window.height);
+            check_film(halves * size_of::<FilmPixel>() as u64)?;
+            rendered = adaptive::render_adaptive(scene, settings, progress)?;
+            (settings, Some(&rendered))
+        }
+        Samples::ToTake(Sampling::Until(rule)) => {
+            // So that the layers are made of the same rays as the picture.
             planned = rule.planned(settings);
-            &planned
-        }
-    };
-    let film = match sampling {
-        Sampling::Uniform => None,
-        Sampling::Adaptive => {
-            check_film(settings, 2)?;
-            Some(adaptive::render_adaptive(scene, settings, progress)?)
-        }
-        Sampling::Until(rule) => {
-            check_film(settings, 1)?;
-            Some(render_until(scene, settings, rule, progress)?)
+            check_kept(&planned, Goal::Rule(rule))?;
+            rendered = render_until(scene, settings, rule, progress)?;
+            (&planned, Some(&rendered))
         }
     };
     let rows = band_rows(settings, with_layers, bytes);
     let window = settings.window();
     let width = window.width as usize;
-    let mut statistics = BandStatistics {
-        black: true,
-        noise: film.as_ref().map(crate::relative_noise),
-        ..BandStatistics::default()
-    };
-    let mut own: Vec<FilmPixel> = Vec::new();
+    let mut statistics =
+        BandStatistics { black: true, noise: film.map(crate::relative_noise), ..BandStatistics::default() };
     let mut layers: Vec<LayerPixel> = Vec::new();
     for first_row in (0..window.height).step_by(rows.max(1) as usize) {
         let done = statistics.samples;
         let batch = Batch { first_row, rows: rows.min(window.height - first_row), ..Batch::whole(settings) };
         let count = batch.pixels(settings);
-        let pixels = match &film {
+        let own;
+        let mut films = 0;
+        let pixels = match film {
             Some(film) => &film.pixels[first_row as usize * width..][..count],
             None => {
-                own.clear();
-                own.resize(count, FilmPixel::zeroed());
-                scene.add_samples(settings, &batch, &mut own, &|samples| progress(done + samples))?;
+                let mut sums = FilmSums::new(count, 0);
+                sums.add_all(scene, settings, &batch, &|samples| progress(done + samples))?;
+                films = FilmSums::most_films(settings.samples) as usize;
+                own = sums.into_total();
                 &own[..]
             }
         };
@@ -135,7 +149,7 @@ pub fn render_bands(
             let still = |_| progress(done);
             scene.add_layers(settings, &Batch { samples, ..batch }, &mut layers, &still)?;
         }
-        let taken = own.capacity() * size_of::<FilmPixel>() + layers.capacity() * size_of::<LayerPixel>();
+        let taken = films * count * size_of::<FilmPixel>() + layers.capacity() * size_of::<LayerPixel>();
         statistics.peak_bytes = statistics.peak_bytes.max(taken as u64);
         statistics.samples += pixels.iter().map(|pixel| u64::from(pixel.samples)).sum::<u64>();
         statistics.rays += pixels.iter().map(|pixel| u64::from(pixel.rays)).sum::<u64>();
@@ -149,14 +163,4 @@ pub fn render_bands(
 fn mean_samples(pixels: &[FilmPixel]) -> u32 {
     let sum: u64 = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
     u32::try_from(sum / pixels.len().max(1) as u64).unwrap_or(u32::MAX).max(1)
-}
-
-fn check_film(settings: &RenderSettings, films: u64) -> Result<(), RenderError> {
-    let window = settings.window();
-    let pixels = u64::from(window.width) * u64::from(window.height);
-    let needed = films * pixels * size_of::<FilmPixel>() as u64;
-    if needed > FILM_BYTES {
-        return Err(RenderError::FilmTooLarge { needed, limit: FILM_BYTES });
-    }
-    Ok(())
 }

@@ -3,7 +3,7 @@
 //! What removes it is a function that is handed in: this crate knows no denoiser, only what every one of them wants.
 //! It must see the whole picture, so the memory for these pictures grows with their size.
 
-use crate::bands::{BAND_BYTES, Band, BandStatistics, FILM_BYTES, Sampling, band_rows, render_bands};
+use crate::bands::{BAND_BYTES, Band, BandStatistics, Samples, band_rows, render_bands};
 use crate::film::mean_radiance;
 use crate::{LoadedScene, Progress, RenderError, RenderSettings};
 use kernels::records::kernel::{FilmPixel, LayerPixel};
@@ -29,6 +29,8 @@ pub struct NoisyPicture {
 pub type DenoiseFunction<'a> =
     dyn Fn(&NoisyPicture) -> Result<Vec<[f32; 3]>, Box<dyn Error + Send + Sync>> + 'a;
 
+/// Bytes that a picture may take while it is denoised.
+const MOST_BYTES: u64 = 4 << 30;
 /// Bytes that a pixel takes while it is denoised: sums, layers, four colours here and as many in the denoiser.
 const PIXEL_BYTES: u64 =
     (size_of::<FilmPixel>() + size_of::<LayerPixel>() + 8 * size_of::<[f32; 3]>()) as u64;
@@ -40,8 +42,8 @@ const PIXEL_BYTES: u64 =
 pub fn check_denoised_size(settings: &RenderSettings) -> Result<(), RenderError> {
     let window = settings.window();
     let needed = u64::from(window.width) * u64::from(window.height) * PIXEL_BYTES;
-    if needed > FILM_BYTES {
-        return Err(RenderError::TooLargeToDenoise { needed, limit: FILM_BYTES });
+    if needed > MOST_BYTES {
+        return Err(RenderError::TooLargeToDenoise { needed, limit: MOST_BYTES });
     }
     Ok(())
 }
@@ -50,17 +52,17 @@ pub fn check_denoised_size(settings: &RenderSettings) -> Result<(), RenderError>
 ///
 /// # Errors
 /// As [`render_bands`], or if the picture is too large or `denoise` fails.
-pub fn render_denoised(
+pub fn render_denoised<'a>(
     scene: &dyn LoadedScene,
     settings: &RenderSettings,
-    sampling: Sampling,
+    samples: impl Into<Samples<'a>>,
     denoise: &DenoiseFunction<'_>,
     progress: &Progress<'_>,
     sink: &mut dyn FnMut(&Band<'_>) -> Result<(), RenderError>,
 ) -> Result<BandStatistics, RenderError> {
     check_denoised_size(settings)?;
     // All rows in one band.
-    render_bands(scene, settings, sampling, true, u64::MAX, progress, &mut |whole| {
+    render_bands(scene, settings, samples, true, u64::MAX, progress, &mut |whole| {
         let noisy = noisy_picture(whole);
         let denoised = denoise(&noisy).map_err(RenderError::Denoise)?;
         if denoised.len() != whole.pixels.len() {

@@ -1,6 +1,6 @@
 //! What every device can do.
 
-use crate::{CompiledScene, CropWindow, Film, Filter, Renderer, Sampler};
+use crate::{CompiledScene, CropWindow, Film, FilmSums, Filter, Renderer, Sampler};
 use kernels::records::kernel::{FilmPixel, LaunchSettings, LayerPixel};
 use std::sync::Arc;
 
@@ -105,6 +105,12 @@ pub trait Device {
     /// What users know it by, for example `CPU (8 threads)` or `NVIDIA GeForce RTX 3060 (Vulkan)`.
     fn name(&self) -> String;
 
+    /// What decides the last digits of its results, for example `CPU` or `NVIDIA GeForce RTX 3060 (Vulkan)`: devices
+    /// of the same kind make the same picture bit for bit.
+    fn kind(&self) -> String {
+        self.name()
+    }
+
     /// Brings a scene to the device.
     ///
     /// # Errors
@@ -200,14 +206,16 @@ pub trait LoadedScene {
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError>;
 
-    /// Renders all in memory.
+    /// Renders all in memory: the sums are formed as [`FilmSums`] says.
     ///
     /// # Errors
     /// As [`LoadedScene::add_samples`].
     fn render(&self, settings: &RenderSettings, progress: &Progress<'_>) -> Result<Film, DeviceError> {
-        let mut film = Film::of(settings);
-        self.add_samples(settings, &Batch::whole(settings), &mut film.pixels, progress)?;
-        Ok(film)
+        let window = settings.window();
+        let whole = Batch::whole(settings);
+        let mut sums = FilmSums::new(whole.pixels(settings), 0);
+        sums.add_all(self, settings, &whole, progress)?;
+        Ok(Film { width: window.width, height: window.height, pixels: sums.into_total() })
     }
 }
 

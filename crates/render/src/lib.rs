@@ -12,27 +12,35 @@ mod denoised;
 mod device;
 mod events;
 mod film;
+mod film_file;
+mod film_memory;
 pub mod gpu;
 mod open;
 mod passes;
 mod picture;
+mod provenance;
 mod rays;
 mod renderer;
 mod sampling;
+mod sums;
 
-pub use bands::{BAND_BYTES, Band, BandStatistics, Sampling, band_rows, render_bands};
+pub use bands::{BAND_BYTES, Band, BandStatistics, Samples, Sampling, band_rows, render_bands};
 pub use compile::{Acceleration, CompileError, CompiledScene, compile, compile_with};
 pub use denoised::{DenoiseFunction, NoisyPicture, check_denoised_size, render_denoised};
 pub use device::{Batch, ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
 pub use events::pixel_events;
 pub use film::{Film, automatic_exposure};
+pub use film_file::{FILM_MAGIC, FilmFile, FilmFileError, write_film};
+pub use film_memory::{check_kept, film_bytes, film_limit};
 pub use gpu::{GpuInfo, list_gpus};
 pub use open::{DeviceChoice, ReadyDevice, automatic_gpu, load_for, open_device};
-pub use passes::{StopRule, relative_noise, render_until};
+pub use passes::{Ending, Goal, StopRule, relative_noise, render_passes, render_until};
 pub use picture::{
-    BandSink, Layer, Layers, Origins, PictureError, PictureFormat, PictureTarget, RenderError,
-    check_writable, stream_picture, write_picture, write_whole_file,
+    BandSink, Layer, Layers, Origins, PictureError, PictureFormat, PictureTarget, RecordError, RenderError,
+    check_writable, read_record, stream_picture, write_picture, write_whole_file,
 };
+pub use provenance::{Difference, Provenance};
 pub use rays::WorldRay;
 pub use renderer::Renderer;
 pub use sampling::{CropWindow, Filter, Sampler};
+pub use sums::{BLOCK_SAMPLES, FilmSums, Overlap};

@@ -6,7 +6,7 @@
 //! after 64 have 1.6 times the error at 256 to 4096 samples in the soft shadow of `docs/convergence`, 1.2 times in its
 //! box. What is lost is that errors of neighbouring pixels are opposed, which needs the exact number.
 
-use crate::{Batch, DeviceError, Film, LoadedScene, Progress, RenderSettings};
+use crate::{Batch, ControlFlow, DeviceError, Film, FilmSums, LoadedScene, Progress, RenderSettings};
 use std::time::{Duration, Instant};
 
 /// When to stop; at the first of all that is given. At least one pass is made.
@@ -24,18 +24,23 @@ impl StopRule {
     /// Most samples per pixel when nothing else is said: sums of 32-bit floats gain nothing beyond.
     pub const MOST_SAMPLES: u32 = 1 << 20;
 
-    /// Samples of the next pass, given how many were taken in which time and how noisy the picture is; 0 to stop.
+    /// Samples of the next pass, given how many there are, how many of them were taken in which time, and how noisy
+    /// the picture is; 0 to stop.
     ///
     /// The number of samples doubles from pass to pass, so that looking at the noise costs little, but neither the
     /// time nor what the noise needs by its law of 1/√n is overshot.
-    pub fn next_pass(&self, samples: u32, elapsed: Duration, noise: Option<f64>) -> u32 {
+    pub fn next_pass(&self, samples: u32, taken: u32, elapsed: Duration, noise: Option<f64>) -> u32 {
         if samples == 0 {
             return 1.min(self.most_samples);
         }
         let mut pass = samples.min(self.most_samples.saturating_sub(samples));
         if let Some(limit) = self.time {
             let left = limit.saturating_sub(elapsed).as_secs_f64();
-            let per_sample = elapsed.as_secs_f64() / f64::from(samples);
+            // One to learn how long it takes.
+            if taken == 0 {
+                return pass.min(1);
+            }
+            let per_sample = elapsed.as_secs_f64() / f64::from(taken);
             // Saturates; without a measurable time per sample nothing is in the way.
             pass = pass.min((left / per_sample.max(1e-12)) as u32);
         }
@@ -53,7 +58,7 @@ impl StopRule {
     }
 
     /// The settings with sequences planned for the most samples.
-    pub(crate) fn planned(&self, settings: &RenderSettings) -> RenderSettings {
+    pub fn planned(&self, settings: &RenderSettings) -> RenderSettings {
         RenderSettings { samples: self.most_samples, ..settings.clone() }
     }
 }
@@ -97,9 +102,102 @@ pub fn relative_noise(film: &Film) -> f64 {
     (errors[..kept].iter().sum::<f64>() / kept as f64).sqrt()
 }
 
+/// How far a rendering goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// Up to the sample of this number, which is not taken any more.
+    Samples(u32),
+    /// As far as a rule says.
+    Rule(StopRule),
+}
+
+/// Why a rendering ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The goal is reached.
+    Complete,
+    /// Somebody asked to stop between two passes.
+    Stopped,
+}
+
+/// Adds passes over the whole picture to `sums` until the goal is reached. `after` is asked between them whether to
+/// go on: every few seconds, or for each sample where one of all pixels takes longer. `progress` hears of all samples
+/// of the picture, those that were there before included. What comes out depends on the number of samples alone, not
+/// on the passes.
+///
+/// The settings must be those that the rule planned.
+///
+/// # Errors
+/// As [`LoadedScene::add_samples`]; all samples of finished passes are in `sums` nevertheless.
+pub fn render_passes(
+    scene: &dyn LoadedScene,
+    settings: &RenderSettings,
+    goal: Goal,
+    sums: &mut FilmSums,
+    progress: &Progress<'_>,
+    after: &mut dyn FnMut(&FilmSums) -> ControlFlow<()>,
+) -> Result<Ending, DeviceError> {
+    let start = Instant::now();
+    let before = sums.samples();
+    let pixels = sums.pixels() as u64;
+    let mut pace = PassPace::new(pixels);
+    loop {
+        let wanted = match goal {
+            Goal::Samples(end) => end.saturating_sub(sums.end()),
+            Goal::Rule(rule) => {
+                let samples = sums.samples();
+                // Looking at a picture takes time, too.
+                let noise = rule.noise.filter(|_| samples > 0).map(|_| noise_so_far(settings, sums));
+                rule.next_pass(samples, samples - before, start.elapsed(), noise)
+            }
+        };
+        if wanted == 0 {
+            return Ok(Ending::Complete);
+        }
+        let end = sums.end() + wanted;
+        while sums.end() < end {
+            let samples = pace.samples.min(end - sums.end()).min(sums.room());
+            let done = pixels * u64::from(sums.samples());
+            let begun = Instant::now();
+            sums.add(scene, settings, &Batch::whole(settings), samples, &|more| progress(done + more))?;
+            pace.learn(samples, begun.elapsed());
+            if after(sums).is_break() {
+                return Ok(if sums.end() < end { Ending::Stopped } else { Ending::Complete });
+            }
+        }
+    }
+}
+
+fn noise_so_far(settings: &RenderSettings, sums: &FilmSums) -> f64 {
+    let window = settings.window();
+    relative_noise(&Film { width: window.width, height: window.height, pixels: sums.total() })
+}
+
+/// Samples per pixel that are taken before somebody is asked whether to go on.
+struct PassPace {
+    samples: u32,
+}
+
+impl PassPace {
+    /// Long enough that the time between passes, when a graphics card has nothing to do, does not count; short enough
+    /// for somebody who waits after asking to stop.
+    const SECONDS: f64 = 2.0;
+    /// Samples of the first pass in all pixels together, when nothing is known yet: a blink for a graphics card, some
+    /// seconds for a small processor.
+    const FIRST: u64 = 1 << 22;
+
+    fn new(pixels: u64) -> Self {
+        PassPace { samples: u32::try_from(Self::FIRST / pixels.max(1)).unwrap_or(u32::MAX).max(1) }
+    }
+
+    fn learn(&mut self, samples: u32, elapsed: Duration) {
+        // Saturates.
+        self.samples = ((f64::from(samples) * Self::SECONDS / elapsed.as_secs_f64().max(1e-6)) as u32).max(1);
+    }
+}
+
 /// Renders passes until the rule says stop; the number of samples is that of the rule, not of the settings.
-/// `progress` hears of the samples of the whole picture, whose number
-/// nobody knows beforehand.
+/// `progress` hears of the samples of the whole picture, whose number nobody knows beforehand.
 ///
 /// # Errors
 /// As [`LoadedScene::add_samples`].
@@ -110,21 +208,11 @@ pub fn render_until(
     progress: &Progress<'_>,
 ) -> Result<Film, DeviceError> {
     let settings = &rule.planned(settings);
-    let mut film = Film::of(settings);
-    let start = Instant::now();
-    let (mut samples, mut done) = (0, 0);
-    let mut noise = None;
-    loop {
-        let pass = rule.next_pass(samples, start.elapsed(), noise);
-        if pass == 0 {
-            return Ok(film);
-        }
-        let batch = Batch { first_sample: samples, samples: pass, ..Batch::whole(settings) };
-        scene.add_samples(settings, &batch, &mut film.pixels, &|more| progress(done + more))?;
-        samples += pass;
-        done += film.pixels.len() as u64 * u64::from(pass);
-        noise = rule.noise.map(|_| relative_noise(&film));
-    }
+    let window = settings.window();
+    let mut sums = FilmSums::new(Batch::whole(settings).pixels(settings), 0);
+    let go_on = &mut |_: &FilmSums| ControlFlow::Continue(());
+    render_passes(scene, settings, Goal::Rule(rule), &mut sums, progress, go_on)?;
+    Ok(Film { width: window.width, height: window.height, pixels: sums.into_total() })
 }
 
 #[cfg(test)]
@@ -139,7 +227,7 @@ mod tests {
         let mut samples = 0;
         let mut passes = Vec::new();
         loop {
-            let pass = rule.next_pass(samples, SECOND, None);
+            let pass = rule.next_pass(samples, samples, SECOND, None);
             if pass == 0 {
                 break;
             }
@@ -152,22 +240,25 @@ mod tests {
     #[test]
     fn a_time_is_not_overshot_but_the_first_pass_is_made() {
         let rule = StopRule { time: Some(10 * SECOND), noise: None, most_samples: StopRule::MOST_SAMPLES };
-        assert_eq!(rule.next_pass(0, 20 * SECOND, None), 1);
-        assert_eq!(rule.next_pass(1, 20 * SECOND, None), 0);
-        assert_eq!(rule.next_pass(4, 2 * SECOND, None), 4);
+        assert_eq!(rule.next_pass(0, 0, 20 * SECOND, None), 1);
+        assert_eq!(rule.next_pass(1, 1, 20 * SECOND, None), 0);
+        assert_eq!(rule.next_pass(4, 4, 2 * SECOND, None), 4);
         // 1 s a sample and 3 s left.
-        assert_eq!(rule.next_pass(7, 7 * SECOND, None), 3);
-        assert_eq!(rule.next_pass(7, 9 * SECOND + SECOND / 2, None), 0);
+        assert_eq!(rule.next_pass(7, 7, 7 * SECOND, None), 3);
+        assert_eq!(rule.next_pass(7, 7, 9 * SECOND + SECOND / 2, None), 0);
+        // Continued: the time is that of the new samples.
+        assert_eq!(rule.next_pass(100, 0, Duration::ZERO, None), 1);
+        assert_eq!(rule.next_pass(107, 7, 7 * SECOND, None), 3);
     }
 
     #[test]
     fn noise_is_approached_by_its_law() {
         let rule = StopRule { time: None, noise: Some(0.1), most_samples: StopRule::MOST_SAMPLES };
-        assert_eq!(rule.next_pass(16, SECOND, Some(0.1)), 0);
-        assert_eq!(rule.next_pass(16, SECOND, Some(0.125)), 9);
-        assert_eq!(rule.next_pass(16, SECOND, Some(1.0)), 16);
+        assert_eq!(rule.next_pass(16, 16, SECOND, Some(0.1)), 0);
+        assert_eq!(rule.next_pass(16, 16, SECOND, Some(0.125)), 9);
+        assert_eq!(rule.next_pass(16, 16, SECOND, Some(1.0)), 16);
         // Few samples may look clean by chance.
-        assert_eq!(rule.next_pass(4, SECOND, Some(0.0)), 4);
+        assert_eq!(rule.next_pass(4, 4, SECOND, Some(0.0)), 4);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod encode;
 mod layers;
+mod record;
 mod spool;
 mod stream;
 mod whole_file;
@@ -14,6 +15,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 pub use layers::{Layer, Layers, Origins};
+pub use record::{RecordError, read_record};
 pub use stream::{BandSink, PictureTarget, stream_picture};
 pub use whole_file::{check_writable, write_whole_file};
 
@@ -87,8 +89,11 @@ pub enum RenderError {
     Picture(#[from] PictureError),
     /// The whole film must be in memory for what is wanted, and does not fit.
     #[error(
-        "sampling until a time or a noise is reached, or adaptively, keeps the whole picture in memory: {needed} bytes, \
-         at most {limit} are taken; make the picture smaller, or give --samples alone"
+        "the whole picture must be kept: it would take {:.1} GB of memory, and {:.1} GB can be had here. --time, --noise, \
+         --adaptive and --checkpoint keep it; make the picture smaller, render parts of it with --crop, or give \
+         --samples alone",
+        *.needed as f64 / 1e9,
+        *.limit as f64 / 1e9
     )]
     FilmTooLarge {
         /// Bytes that the picture takes.
@@ -129,6 +134,7 @@ pub fn write_picture(film: &Film, path: &Path, exposure: f32) -> Result<(), Rend
         exposure: Some(exposure),
         layers: &Layers::default(),
         origins: &Origins::default(),
+        provenance: None,
     };
     let band = Band { first_row: 0, width: film.width, pixels: &film.pixels, layers: &[], denoised: &[] };
     stream_picture(&target, |sink| sink(&band)).map(|_| ())

@@ -119,6 +119,7 @@ fn stream(path: &Path, settings: &RenderSettings, bytes: u64, layers: &str) -> (
         exposure: None,
         layers: &layers,
         origins: &Origins::of(&scene),
+        provenance: None,
     };
     let mut statistics = BandStatistics::default();
     stream_picture(&target, |sink| {
@@ -167,8 +168,15 @@ fn a_rendering_that_fails_leaves_no_file() {
     for (name, exposure) in [("a.png", None), ("a.png", Some(0.0)), ("a.exr", None)] {
         let path = directory.path().join(name);
         let origins = Origins::default();
-        let target =
-            PictureTarget { path: &path, width: 8, height: 32, exposure, layers: &layers, origins: &origins };
+        let target = PictureTarget {
+            path: &path,
+            width: 8,
+            height: 32,
+            exposure,
+            layers: &layers,
+            origins: &origins,
+            provenance: None,
+        };
         let result = stream_picture(&target, |sink| {
             let film = Film::new(8, 16);
             sink(&Band { first_row: 0, width: 8, pixels: &film.pixels, layers: &[], denoised: &[] })?;

@@ -90,6 +90,7 @@ fn layers_of_a_file_hold_what_is_there() {
         exposure: None,
         layers: &layers,
         origins: &Origins::of(&scene),
+        provenance: None,
     };
     stream_picture(&target, |sink| {
         render_bands(&*loaded, &settings, Sampling::Uniform, true, 1, &go_on, sink).map(|_| ())

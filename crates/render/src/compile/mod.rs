@@ -14,6 +14,7 @@ mod materials;
 mod node_encoding;
 mod noise;
 mod objects;
+mod scene_hash;
 mod texels;
 mod triangles;
 mod unit_shapes;

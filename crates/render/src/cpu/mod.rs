@@ -64,6 +64,10 @@ impl Device for Cpu {
         }
     }
 
+    fn kind(&self) -> String {
+        "CPU".to_owned()
+    }
+
     fn load(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn LoadedScene>, DeviceError> {
         Ok(Box::new(CpuScene::new(self, scene)))
     }

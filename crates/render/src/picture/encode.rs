@@ -1,6 +1,8 @@
 //! The bytes of the two image formats, written while bands arrive from top to bottom.
 
-use super::layers::{Layers, Origins, block_bytes};
+use super::layers::block_bytes;
+use super::stream::PictureTarget;
+use crate::Provenance;
 use crate::bands::Band;
 use exr::block::chunk::Chunk;
 use exr::block::writer::{ChunksWriter, write_chunks_with};
@@ -19,17 +21,21 @@ pub(super) type Sink<'a> = dyn FnMut(&Band<'_>) -> io::Result<()> + 'a;
 /// Writes 8-bit sRGB; `produce` shows the radiance of all pixels row by row. Of the layers, for which there is no
 /// place, only the name of the denoiser is kept.
 pub(super) fn png(
-    (width, height): (u32, u32),
+    to: &PictureTarget<'_>,
     exposure: f32,
-    layers: &Layers,
     file: impl Write,
     produce: impl FnOnce(&mut dyn FnMut([f32; 3]) -> io::Result<()>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let mut encoder = png::Encoder::new(file, width, height);
+    let mut encoder = png::Encoder::new(file, to.width, to.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    if let Some(denoiser) = layers.denoiser() {
+    if let Some(provenance) = to.provenance {
+        encoder.add_text_chunk("Software".to_owned(), software(provenance))?;
+        // In Unicode, as names of scenes are.
+        encoder.add_itxt_chunk(RECORD.to_owned(), format!("{provenance}exposure: {exposure:+.3} stops\n"))?;
+    }
+    if let Some(denoiser) = to.layers.denoiser() {
         encoder.add_text_chunk("Comment".to_owned(), format!("denoised by {denoiser}"))?;
     }
     let mut writer = encoder.write_header()?;
@@ -55,12 +61,12 @@ const BLOCK_ROWS: usize = 16;
 /// Writes linear 32-bit floats in the channels R, G and B, and the layers; zip-compressed scan lines are what every
 /// program that knows EXR reads. All bands but the last must have a multiple of 16 rows.
 pub(super) fn exr(
-    size: (u32, u32),
-    layers: &Layers,
-    origins: &Origins,
+    to: &PictureTarget<'_>,
     file: impl Write + Seek,
     produce: impl FnOnce(&mut Sink<'_>) -> io::Result<()>,
 ) -> io::Result<()> {
+    let PictureTarget { layers, origins, .. } = *to;
+    let size = (to.width, to.height);
     let channels = layers.channels();
     let descriptions =
         channels.iter().map(|(name, quantity)| ChannelDescription::named(*name, quantity.sample_type()));
@@ -76,6 +82,10 @@ pub(super) fn exr(
     }
     if let Some(denoiser) = layers.denoiser().and_then(Text::new_or_none) {
         header.own_attributes.other.insert(Text::from("denoised"), AttributeValue::Text(denoiser));
+    }
+    if let Some(provenance) = to.provenance {
+        header.own_attributes.software_name = Text::new_or_none(software(provenance));
+        header.own_attributes.comments = Text::new_or_none(one_byte_each(&provenance.to_string()));
     }
     let mut failure = None;
     let written = write_chunks_with(file, [header].into_iter().collect(), true, |meta, chunks| {
@@ -112,6 +122,18 @@ pub(super) fn exr(
         (Some(error), _) => Err(error),
         (None, written) => written.map_err(io_error),
     }
+}
+
+/// Keyword of the text in a PNG that tells how the picture came about. An EXR has it in its attribute `comments`.
+pub(super) const RECORD: &str = "Sunshine";
+
+fn software(provenance: &Provenance) -> String {
+    format!("{RECORD} {}", provenance.version)
+}
+
+/// Text as EXR holds it, with a question mark for what has no place in a byte.
+fn one_byte_each(text: &str) -> String {
+    text.chars().map(|c| if u32::from(c) < 256 { c } else { '?' }).collect()
 }
 
 fn io_error(error: exr::error::Error) -> io::Error {

@@ -6,7 +6,7 @@ use super::spool::RadianceSpool;
 use super::whole_file::write_whole_file;
 use super::{PictureError, PictureFormat};
 use crate::bands::Band;
-use crate::{RenderError, film};
+use crate::{Provenance, RenderError, film};
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::Path;
@@ -26,6 +26,8 @@ pub struct PictureTarget<'a> {
     pub layers: &'a Layers,
     /// What the numbers in the layers stand for.
     pub origins: &'a Origins,
+    /// How the picture came about, to be told in the file.
+    pub provenance: Option<&'a Provenance>,
 }
 
 /// Takes the bands of a picture, from top to bottom; all but the last have a multiple of 16 rows.
@@ -44,7 +46,6 @@ pub fn stream_picture(
     produce: impl FnOnce(&mut BandSink<'_>) -> Result<(), RenderError>,
 ) -> Result<f32, RenderError> {
     let format = PictureFormat::from_path(to.path)?;
-    let size = (to.width, to.height);
     // Neither format has pictures without pixels.
     if to.width == 0 || to.height == 0 {
         return Err(write_error(
@@ -66,11 +67,9 @@ pub fn stream_picture(
         })
     };
     let written = match (format, to.exposure) {
-        (PictureFormat::Exr, _) => {
-            whole(&mut |file| encode::exr(size, to.layers, to.origins, file, &mut run)).map(|()| 0.0)
-        }
+        (PictureFormat::Exr, _) => whole(&mut |file| encode::exr(to, file, &mut run)).map(|()| 0.0),
         (PictureFormat::Png, Some(stops)) => whole(&mut |file| {
-            encode::png(size, stops, to.layers, file, |see| run(&mut |band| encode::radiances(band, see)))
+            encode::png(to, stops, file, |see| run(&mut |band| encode::radiances(band, see)))
         })
         .map(|()| stops),
         (PictureFormat::Png, None) => RadianceSpool::beside(to.path).and_then(|mut spool| {
@@ -81,7 +80,7 @@ pub fn stream_picture(
                     Ok(())
                 })
             })?;
-            whole(&mut |file| encode::png(size, stops, to.layers, file, |see| spool.replay(see)))?;
+            whole(&mut |file| encode::png(to, stops, file, |see| spool.replay(see)))?;
             Ok(stops)
         }),
     };

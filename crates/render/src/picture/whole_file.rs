@@ -1,12 +1,13 @@
 //! Files that are complete or not there at all.
 
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
 /// Writes a file under a temporary name in the same directory and renames it when it is complete. After a
-/// failure nothing new is there, and an older file of that name is as it was.
+/// failure nothing new is there, and an older file of that name is as it was. A program that is killed leaves its
+/// temporary file behind; the next one that writes in that directory removes it.
 ///
 /// # Errors
 /// What `fill` returns, or what the file system says.
@@ -15,13 +16,17 @@ pub fn write_whole_file(
     fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> io::Result<()> {
     let temporary = temporary_beside(path)?;
-    let mut writer = BufWriter::new(temporary.as_file());
+    let mut writer = BufWriter::with_capacity(1 << 16, temporary.as_file());
     fill(&mut writer)?;
     writer.flush()?;
     drop(writer);
     // Otherwise a power failure could leave the new name with the old nothing in it.
     temporary.as_file().sync_all()?;
     temporary.persist(path).map_err(|error| error.error)?;
+    // The new name is there for everybody; that it outlives a power failure is more than some systems can do.
+    if cfg!(unix) {
+        let _ = File::open(directory_of(path)).and_then(|directory| directory.sync_all());
+    }
     Ok(())
 }
 
@@ -41,28 +46,73 @@ fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     if path.is_dir() {
         return Err(io::Error::new(io::ErrorKind::IsADirectory, "there is a folder of that name"));
     }
-    // The directory of a bare file name is the empty path.
-    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let directory = directory_of(path);
+    remove_abandoned(directory);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".sunshine-").suffix(".part");
+    builder.prefix(PREFIX).suffix(SUFFIX);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
         // Temporary files are private as a rule; this one becomes an ordinary file.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(directory).map_err(|error| {
-        // Nobody asked for the temporary file, so the common reasons are told without its name.
-        let reason = match error.kind() {
-            io::ErrorKind::NotFound => format!("there is no folder {}", directory.display()),
-            io::ErrorKind::NotADirectory => format!("{} is not a folder", directory.display()),
-            io::ErrorKind::PermissionDenied => {
-                format!("no new files are allowed in the folder {}", directory.display())
-            }
-            _ => return error,
-        };
-        io::Error::new(error.kind(), reason)
-    })
+    for _ in 0..ATTEMPTS {
+        let temporary = builder.tempfile_in(directory).map_err(|error| plain_reason(directory, error))?;
+        match temporary.as_file().try_lock() {
+            // Somebody who looks for abandoned files was faster than the lock.
+            Ok(()) if !temporary.path().exists() => {}
+            Err(TryLockError::WouldBlock) => {}
+            // Where files cannot be locked, nobody removes them.
+            Ok(()) | Err(TryLockError::Error(_)) => return Ok(temporary),
+        }
+    }
+    Err(io::Error::other("temporary files vanish as soon as they are made"))
+}
+
+/// Names of temporary files begin and end with these.
+const PREFIX: &str = ".sunshine-";
+const SUFFIX: &str = ".part";
+/// It takes bad luck to lose a new file to somebody who cleans up; more than once is something else.
+const ATTEMPTS: u32 = 16;
+
+/// Removes temporary files whose program was killed. Those of a running one are locked, and the system takes locks
+/// away when a program ends, however it ends.
+fn remove_abandoned(directory: &Path) {
+    let Ok(entries) = std::fs::read_dir(directory) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let is_ours = name.to_str().is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX));
+        // A link of that name is none of ours.
+        if !is_ours || !entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            continue;
+        }
+        let path = entry.path();
+        // Some network file systems lock only what is open for writing.
+        if let Ok(file) = File::options().write(true).open(&path)
+            && file.try_lock().is_ok()
+        {
+            // Somebody else may have been faster.
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+fn directory_of(path: &Path) -> &Path {
+    // The directory of a bare file name is the empty path.
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Nobody asked for the temporary file, so the common reasons are told without its name.
+fn plain_reason(directory: &Path, error: io::Error) -> io::Error {
+    let reason = match error.kind() {
+        io::ErrorKind::NotFound => format!("there is no folder {}", directory.display()),
+        io::ErrorKind::NotADirectory => format!("{} is not a folder", directory.display()),
+        io::ErrorKind::PermissionDenied => {
+            format!("no new files are allowed in the folder {}", directory.display())
+        }
+        _ => return error,
+    };
+    io::Error::new(error.kind(), reason)
 }
 
 #[cfg(test)]
@@ -94,6 +144,22 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         check_writable(&directory.path().join("data")).unwrap();
         assert!(names(directory.path()).is_empty());
+    }
+
+    #[test]
+    fn what_a_killed_program_left_is_removed_and_nothing_else() {
+        let directory = tempfile::tempdir().unwrap();
+        let at = |name: &str| directory.path().join(name);
+        // Abandoned, in use, and names that are nearly those.
+        for name in [".sunshine-gone.part", ".sunshine-busy.part", "sunshine-a.part", ".sunshine-a.film"] {
+            std::fs::write(at(name), b"half").unwrap();
+        }
+        let busy = File::options().write(true).open(at(".sunshine-busy.part")).unwrap();
+        busy.try_lock().unwrap();
+        write_whole_file(&at("data"), |file| file.write_all(b"whole")).unwrap();
+        let mut left = names(directory.path());
+        left.sort();
+        assert_eq!(left, [".sunshine-a.film", ".sunshine-busy.part", "data", "sunshine-a.part"]);
     }
 
     #[test]

@@ -1,0 +1,189 @@
+//! The part of `sunshine render` that takes long: samples, pass after pass, saved and stopped when asked to.
+
+use crate::arguments::RenderArguments;
+use crate::checkpoints::{self, Checkpoints};
+use crate::failure::Failure;
+use crate::interruption::Interruption;
+use crate::option_values::SampleRange;
+use crate::progress::{Messages, RenderProgress};
+use render::{
+    BAND_BYTES, BLOCK_SAMPLES, ControlFlow, Ending, Film, FilmSums, Goal, LoadedScene, Provenance,
+    RenderSettings, Sampling, StopRule, film_bytes, render_passes,
+};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// What is to be rendered, and how.
+pub struct Plan {
+    /// With the number of samples that their sequences are planned for.
+    pub settings: RenderSettings,
+    /// How far, if the whole picture is kept in memory; else it is rendered band by band.
+    pub goal: Option<Goal>,
+    /// Numbers of the samples.
+    pub wanted: SampleRange,
+}
+
+impl Plan {
+    /// What the arguments ask for. Pictures that fit into a band are kept, so that something can be shown of them
+    /// when they are stopped.
+    pub fn new(arguments: &RenderArguments) -> Result<Self, Failure> {
+        let settings = arguments.settings();
+        let is_saved = checkpoints::path(arguments).is_some();
+        let wanted = arguments.sample_range.clone().unwrap_or(0..settings.samples);
+        check_range(arguments, &settings)?;
+        let plan = match arguments.sampling() {
+            Sampling::Until(rule) => Plan {
+                settings: rule.planned(&settings),
+                goal: Some(Goal::Rule(rule)),
+                wanted: 0..rule.most_samples,
+            },
+            Sampling::Uniform if is_saved || film_bytes(&settings) <= BAND_BYTES => {
+                Plan { goal: Some(Goal::Samples(wanted.end)), settings, wanted }
+            }
+            Sampling::Uniform | Sampling::Adaptive => Plan { goal: None, settings, wanted },
+        };
+        if let Some(goal) = plan.goal {
+            // Before anything else is done.
+            render::check_kept(&plan.settings, goal)?;
+        }
+        Ok(plan)
+    }
+
+    /// Samples of all pixels, and whether progress is measured by the time.
+    fn total(&self) -> (u64, bool) {
+        match self.goal {
+            Some(Goal::Rule(StopRule { time: Some(time), .. })) => {
+                (time.as_millis().try_into().unwrap_or(u64::MAX), true)
+            }
+            _ => {
+                let samples = self.wanted.end - self.wanted.start;
+                (RenderSettings { samples, ..self.settings.clone() }.total_samples(), false)
+            }
+        }
+    }
+}
+
+fn check_range(arguments: &RenderArguments, settings: &RenderSettings) -> Result<(), Failure> {
+    let Some(range) = &arguments.sample_range else { return Ok(()) };
+    if checkpoints::path(arguments).is_none() {
+        return Err(Failure::Usage(
+            "--sample-range renders a part of the samples, which is kept in a film; name it with --checkpoint FILE"
+                .to_owned(),
+        ));
+    }
+    if range.end > settings.samples {
+        return Err(Failure::Usage(format!(
+            "--sample-range {}..{} goes beyond the {} samples of the picture; --samples gives the number of all \
+             shares together",
+            range.start, range.end, settings.samples
+        )));
+    }
+    let is_bound = |sample: u32| sample.is_multiple_of(BLOCK_SAMPLES) || sample == settings.samples;
+    if !is_bound(range.start) || !is_bound(range.end) {
+        return Err(Failure::Usage(format!(
+            "--sample-range {}..{} must begin and end at multiples of {BLOCK_SAMPLES}, or end with the last sample, \
+             {}: so much is added up at a time",
+            range.start, range.end, settings.samples
+        )));
+    }
+    Ok(())
+}
+
+/// Progress as a share of the samples or of the time, whichever is known beforehand.
+pub struct Follower {
+    progress: RenderProgress,
+    total: u64,
+    start: Instant,
+    by_time: bool,
+    interruption: Interruption,
+    /// Whether it was said that the rendering will stop.
+    told: AtomicBool,
+    messages: Messages,
+    /// Whether samples are given up when somebody asks to stop.
+    gives_up: bool,
+}
+
+impl Follower {
+    /// Begins to follow.
+    pub fn new(plan: &Plan, interruption: Interruption, messages: Messages) -> Self {
+        let (total, by_time) = plan.total();
+        Follower {
+            progress: messages.follow(total),
+            total,
+            start: Instant::now(),
+            by_time,
+            interruption,
+            told: AtomicBool::new(false),
+            messages,
+            gives_up: plan.goal.is_none(),
+        }
+    }
+
+    /// Takes note of the samples that are done.
+    pub fn update(&self, samples: u64) -> ControlFlow<()> {
+        let milliseconds = || self.start.elapsed().as_millis().try_into().unwrap_or(u64::MAX);
+        if self.interruption.is_asked() {
+            if self.gives_up {
+                return ControlFlow::Break(());
+            }
+            if !self.told.swap(true, Ordering::Relaxed) {
+                self.messages.line("stopping after this pass; once more to stop at once");
+            }
+        }
+        self.progress.update(if self.by_time { milliseconds() } else { samples })
+    }
+
+    /// Takes the bar away. A time or a noise may be reached a little before what was expected.
+    pub fn finish(&self, ending: Ending) {
+        if ending == Ending::Complete {
+            let _ = self.progress.update(self.total);
+        }
+        self.progress.finish();
+    }
+}
+
+/// A film in memory.
+pub struct Rendered {
+    /// All that was collected.
+    pub film: Film,
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Whether it is complete.
+    pub ending: Ending,
+    /// Seconds that rendering took.
+    pub seconds: f64,
+}
+
+/// Renders the whole picture in memory, and saves it as the arguments say.
+pub fn render_film(
+    arguments: &RenderArguments,
+    plan: &Plan,
+    goal: Goal,
+    scene: &dyn LoadedScene,
+    provenance: &Provenance,
+    follower: &Follower,
+) -> Result<Rendered, Failure> {
+    let messages = follower.messages;
+    let mut sums = checkpoints::sums(arguments, &plan.settings, &plan.wanted, provenance, messages)?;
+    let mut checkpoints = Checkpoints::new(arguments, &plan.settings, provenance.clone(), messages);
+    let start = Instant::now();
+    let mut after = |sums: &FilmSums| {
+        tracing::debug!(samples = sums.samples(), "a pass is done");
+        checkpoints.save_now_and_then(sums);
+        match follower.interruption.is_asked() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    };
+    let update = |done| follower.update(done);
+    let rendered = render_passes(scene, &plan.settings, goal, &mut sums, &update, &mut after);
+    let seconds = start.elapsed().as_secs_f64();
+    // Also what was finished before a device failed.
+    let saved = checkpoints.save(&sums);
+    let ending = rendered?;
+    saved?;
+    let window = plan.settings.window();
+    let samples = sums.samples();
+    let film = Film { width: window.width, height: window.height, pixels: sums.into_total() };
+    Ok(Rendered { film, samples, ending, seconds })
+}
