@@ -3,8 +3,8 @@
 use crate::bench_arguments::{CompareArguments, MatrixArguments};
 use crate::camera_arguments::CameraArguments;
 use crate::option_values::{
-    Pixel, SampleRange, Size, parse_acceleration, parse_background, parse_crop, parse_exposure,
-    parse_flatness, parse_noise, parse_sample_range, parse_time, picture_path, whole_number,
+    NamedLimit, Pixel, SampleRange, Size, parse_acceleration, parse_background, parse_crop, parse_exposure,
+    parse_flatness, parse_limit, parse_noise, parse_sample_range, parse_time, picture_path, whole_number,
 };
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use render::{
@@ -219,6 +219,10 @@ pub struct RenderArguments {
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
 
+    /// Bounds on what the project may contain.
+    #[command(flatten)]
+    pub limits: LimitArguments,
+
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
@@ -234,7 +238,7 @@ impl RenderArguments {
         groimp::ReadOptions {
             srgb_textures: self.srgb_textures,
             flatness: self.flatness.map(groimp::Flatness::Metres).unwrap_or_default(),
-            ..groimp::ReadOptions::default()
+            limits: self.limits.limits(),
         }
     }
 
@@ -444,6 +448,30 @@ pub struct InfoArguments {
     /// Print JSON, for other programs to read
     #[arg(long)]
     pub json: bool,
+
+    /// Bounds on what the project may contain.
+    #[command(flatten)]
+    pub limits: LimitArguments,
+}
+
+/// What a project may contain.
+#[derive(Clone, Debug, Default, PartialEq, Args)]
+pub struct LimitArguments {
+    /// Read projects that are larger than usual, or only smaller ones: for example --limit total-bytes=8000000000. May
+    /// be given several times; docs/limits.md lists the names
+    #[arg(long, value_name = "NAME=NUMBER", value_parser = parse_limit)]
+    pub limit: Vec<NamedLimit>,
+}
+
+impl LimitArguments {
+    /// The usual limits with those that are given.
+    pub fn limits(&self) -> groimp::Limits {
+        let mut limits = groimp::Limits::default();
+        for NamedLimit { name, value } in &self.limit {
+            limits.set(name, *value);
+        }
+        limits
+    }
 }
 
 #[cfg(test)]

@@ -11,7 +11,8 @@ use std::io;
 
 /// Reads the scene and describes it.
 pub fn run(arguments: &InfoArguments) -> Result<String, Failure> {
-    let project = groimp::read(&arguments.scene).map_err(Failure::reading(&arguments.scene))?;
+    let project = groimp::read_within(&arguments.scene, arguments.limits.limits())
+        .map_err(Failure::reading(&arguments.scene))?;
     let info = Info::new(&project.scene, &project.report);
     if arguments.json {
         Ok(serde_json::to_string_pretty(&info).map_err(io::Error::from)? + "\n")

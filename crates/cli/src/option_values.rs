@@ -150,6 +150,28 @@ pub fn parse_background(text: &str) -> Result<[f32; 3], String> {
         .ok_or_else(|| "expected three numbers from 0 to 1e12, for example 0.2,0.3,0.5".to_owned())
 }
 
+/// A bound on what a project may contain.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedLimit {
+    /// One of the names of [`groimp::Limits`].
+    pub name: String,
+    /// The most that is accepted.
+    pub value: u64,
+}
+
+/// A limit as `image-pixels=1000000`.
+pub fn parse_limit(text: &str) -> Result<NamedLimit, String> {
+    let (name, value) =
+        text.split_once('=').ok_or("expected a name and a number, for example total-bytes=8000000000")?;
+    let mut limits = groimp::Limits::default();
+    if !limits.set(name, 0) {
+        let names: Vec<_> = limits.list().into_iter().map(|(name, _)| name).collect();
+        return Err(format!("`{name}` is no limit; there are {}", names.join(", ")));
+    }
+    let value = value.trim().parse().map_err(|_| format!("expected a whole number after {name}="))?;
+    Ok(NamedLimit { name: name.to_owned(), value })
+}
+
 /// Samples of every pixel, from the first to before the last.
 pub type SampleRange = std::ops::Range<u32>;
 

@@ -37,7 +37,7 @@ pub enum ReadError {
         reason: String,
     },
     /// Unpacked, an entry exceeds [`Limits`](crate::Limits).
-    #[error("'{entry}' of {path} unpacks to more than {limit} bytes ({which}); raise the limit to read it")]
+    #[error("'{entry}' of {path} unpacks to more than {limit} bytes ({which}); --limit raises that")]
     TooLarge {
         /// The archive or directory.
         path: PathBuf,

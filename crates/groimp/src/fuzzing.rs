@@ -3,14 +3,14 @@
 //! Nothing here checks results: whatever the bytes are, reading them must end soon, in little memory and without
 //! a panic. The limits are far below the default ones, so that what costs too much shows on small inputs.
 
-use crate::archive::{self, Archive, Limits};
+use crate::archive::{self, Archive};
 use crate::graph::Graph;
 use crate::modules::{SourceFile, Sources, StaticValue, Stored};
 use crate::registry::Registry;
 use crate::report::Report;
 use crate::values::{Members, Value, Values, parse_numbers};
 use crate::view::View;
-use crate::{ReadOptions, inline, java_stream, meshes, read_archive};
+use crate::{Limits, ReadOptions, inline, java_stream, meshes, read_archive};
 use std::collections::HashMap;
 
 /// Stands between the files in the inputs of [`sources`] and [`project`].
@@ -33,7 +33,11 @@ pub const TARGETS: [Target; 7] = [
 const LIMITS: Limits = Limits {
     entry_bytes: 1 << 20,
     total_bytes: 4 << 20,
+    source_bytes: 1 << 20,
+    graph_nodes: 1 << 18,
+    graph_values: 1 << 20,
     image_pixels: 1 << 16,
+    total_image_pixels: 1 << 18,
     body_nodes: 2_000,
     body_steps: 100_000,
     surface_triangles: 2_000,
@@ -73,7 +77,7 @@ pub fn registry(bytes: &[u8]) {
 /// `graph.xml` up to its tables.
 pub fn graph(bytes: &[u8]) {
     let mut report = Report::default();
-    if let Ok(graph) = Graph::parse("graph.xml", bytes, &mut report) {
+    if let Ok(graph) = Graph::parse("graph.xml", bytes, LIMITS, &mut report) {
         for index in graph.nodes.iter().filter_map(|node| graph.by_id(node.id)) {
             let _ = graph.type_name(index);
             for edge in graph.edges_of(index) {

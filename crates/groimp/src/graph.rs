@@ -1,10 +1,10 @@
 //! `graph.xml` as flat tables of nodes, tree edges and field values.
 
-use crate::ReadError;
 use crate::inline;
 use crate::report::{Location, Report};
 use crate::values::{Kind, Members, Symbol, Value, ValueId, Values};
 use crate::xml::{Element, Tag, Xml};
+use crate::{Limits, ReadError};
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 
@@ -49,8 +49,8 @@ pub(crate) struct Graph {
 
 impl Graph {
     /// Reads a graph file; what is odd but harmless goes to the report.
-    pub fn parse(file: &str, bytes: &[u8], report: &mut Report) -> Result<Self, ReadError> {
-        let mut parser = Parser::new(file, report);
+    pub fn parse(file: &str, bytes: &[u8], limits: Limits, report: &mut Report) -> Result<Self, ReadError> {
+        let mut parser = Parser::new(file, limits, report);
         let mut xml = Xml::new(file, bytes)?;
         loop {
             match xml.next()? {
@@ -148,6 +148,7 @@ impl EdgeKind {
 struct Parser<'a> {
     file: &'a str,
     report: &'a mut Report,
+    most_nodes: usize,
     names: AttributeNames,
     values: Values,
     nodes: Vec<Node>,
@@ -173,12 +174,13 @@ impl AttributeNames {
 }
 
 impl<'a> Parser<'a> {
-    fn new(file: &'a str, report: &'a mut Report) -> Self {
+    fn new(file: &'a str, limits: Limits, report: &'a mut Report) -> Self {
         Parser {
             file,
             report,
+            most_nodes: limits.graph_nodes,
             names: AttributeNames::new("gx"),
-            values: Values::default(),
+            values: Values::within(limits.graph_values),
             nodes: Vec::new(),
             by_id: HashMap::new(),
             edges: Vec::new(),
@@ -190,7 +192,12 @@ impl<'a> Parser<'a> {
 
     fn start(&mut self, element: &Element<'_>) -> Result<(), ReadError> {
         if self.values.is_full() {
-            return Err(self.unexpected(element, "too many values".to_owned(), "a smaller graph"));
+            let most = "a smaller graph, or a larger --limit graph-values";
+            return Err(self.unexpected(element, "too many values".to_owned(), most));
+        }
+        if self.nodes.len() >= self.most_nodes {
+            let most = "a smaller graph, or a larger --limit graph-nodes";
+            return Err(self.unexpected(element, "too many nodes".to_owned(), most));
         }
         let open = match self.stack.last().copied() {
             None => self.root(element)?,
@@ -361,7 +368,7 @@ mod tests {
 
     fn parse(text: &str) -> (Graph, Report) {
         let mut report = Report::default();
-        let graph = Graph::parse("graph.xml", text.as_bytes(), &mut report).unwrap();
+        let graph = Graph::parse("graph.xml", text.as_bytes(), Limits::default(), &mut report).unwrap();
         (graph, report)
     }
 
@@ -395,7 +402,7 @@ mod tests {
     #[test]
     fn a_graph_without_scene_names_its_roots() {
         let text = br#"<graph><node root="MetaGraph" id="1" type="N"/></graph>"#;
-        let error = Graph::parse("graph.xml", text, &mut Report::default()).err().unwrap();
+        let error = Graph::parse("graph.xml", text, Limits::default(), &mut Report::default()).err().unwrap();
         assert!(error.to_string().contains("MainGraph, but MetaGraph"), "{error}");
     }
 }

@@ -22,6 +22,8 @@ struct Pictures {
     files: HashMap<String, String>,
     srgb: bool,
     by_file: HashMap<String, Option<ImageId>>,
+    /// Pixels that may still be decoded.
+    pixels_left: u64,
     /// Pictures by a hash of their pixels, so that equal ones in several files are stored once.
     by_content: HashMap<u64, Vec<ImageId>>,
 }
@@ -30,7 +32,9 @@ impl Images {
     /// `files` has the file of each picture by its path in the registry; `srgb` tells how colours are meant.
     pub fn new(archive: Archive, files: HashMap<String, String>, srgb: bool) -> Self {
         let (by_file, by_content) = (HashMap::new(), HashMap::new());
-        Images(Rc::new(RefCell::new(Pictures { archive, files, srgb, by_file, by_content })))
+        let pixels_left = archive.limits().total_image_pixels;
+        let pictures = Pictures { archive, files, srgb, by_file, pixels_left, by_content };
+        Images(Rc::new(RefCell::new(pictures)))
     }
 
     /// The file of a picture that is given by its path in the registry.
@@ -76,7 +80,7 @@ impl Pictures {
     /// A decoded picture; the inner error says what is wrong with the file.
     fn decode(&mut self, file: &str) -> Result<Result<DynamicImage, String>, ReadError> {
         Ok(match self.archive.read(file) {
-            Ok(Some(bytes)) => decode(&bytes, self.archive.limits()),
+            Ok(Some(bytes)) => decode(&bytes, self.archive.limits(), &mut self.pixels_left),
             Ok(None) => Err("is not in the project".to_owned()),
             Err(error @ ReadError::TooLarge { .. }) => return Err(error),
             Err(error) => Err(format!("cannot be read ({error})")),
@@ -111,7 +115,8 @@ impl Pictures {
     }
 }
 
-fn decode(bytes: &[u8], limits: Limits) -> Result<DynamicImage, String> {
+/// Decodes a picture and takes its pixels from those that are left.
+fn decode(bytes: &[u8], limits: Limits, pixels_left: &mut u64) -> Result<DynamicImage, String> {
     let reader = || {
         ImageReader::new(Cursor::new(bytes))
             .with_guessed_format()
@@ -122,8 +127,15 @@ fn decode(bytes: &[u8], limits: Limits) -> Result<DynamicImage, String> {
     let (width, height) = reader()?.into_dimensions().map_err(broken)?;
     let count = u64::from(width) * u64::from(height);
     if count > limits.image_pixels {
-        return Err(format!("has {width} x {height} pixels, more than the limit of {}", limits.image_pixels));
+        return Err(format!(
+            "has {width} x {height} pixels, more than the limit of {} (--limit image-pixels)",
+            limits.image_pixels
+        ));
     }
+    *pixels_left = pixels_left.checked_sub(count).ok_or_else(|| {
+        let most = limits.total_image_pixels;
+        format!("is too much: all images together have more than {most} pixels (--limit total-image-pixels)")
+    })?;
     reader()?.decode().map_err(broken)
 }
 

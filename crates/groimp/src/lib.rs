@@ -31,6 +31,7 @@ mod interiors;
 mod java_stream;
 mod light_nodes;
 mod lights;
+mod limits;
 mod meshes;
 mod module_lights;
 pub mod modules;
@@ -53,10 +54,10 @@ mod view;
 mod volume_maps;
 mod xml;
 
-pub use archive::Limits;
 #[doc(hidden)]
 pub use build::DrawnFrames;
 pub use error::ReadError;
+pub use limits::Limits;
 pub use options::{Flatness, ReadOptions};
 pub use report::{Location, Report, Skipped, Warning};
 
@@ -124,7 +125,7 @@ fn read_archive(
         Some(file) => Registry::parse(&file, &archive.require(&file)?)?,
         None => Registry { graph: archive.graph.clone().unwrap_or_default(), ..Registry::default() },
     };
-    let graph = Graph::parse(&registry.graph, &archive.require(&registry.graph)?, &mut report)?;
+    let graph = Graph::parse(&registry.graph, &archive.require(&registry.graph)?, limits, &mut report)?;
     let sources = read_sources(&mut archive, &registry, &mut report)?;
     let view = read_view(&archive, &registry, &mut report);
     let types = Types::new(&graph, &sources, limits);
@@ -139,22 +140,21 @@ fn read_archive(
     Ok((Project { scene, report }, frames))
 }
 
-/// Bytes of all model sources together. Once it is split into tokens, a source takes some fifty times as much memory.
-const MOST_SOURCE_BYTES: usize = 16 << 20;
-
 fn read_sources(
     archive: &mut Archive,
     registry: &Registry,
     report: &mut Report,
 ) -> Result<Sources, ReadError> {
     let mut files = Vec::new();
+    let most = archive.limits().source_bytes;
     let mut bytes = 0;
     let mut seen = HashSet::new();
     for path in registry.sources.iter().filter(|path| seen.insert(path.as_str())) {
         match archive.read_source(path)? {
-            Some(text) if bytes + text.len() > MOST_SOURCE_BYTES => {
-                let message =
-                    format!("the sources have more than {MOST_SOURCE_BYTES} bytes; '{path}' is left out");
+            Some(text) if text.len() > most - bytes => {
+                let message = format!(
+                    "the sources have more than {most} bytes; '{path}' is left out (--limit source-bytes)"
+                );
                 report.warn(message, None);
             }
             Some(text) => {

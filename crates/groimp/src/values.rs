@@ -1,6 +1,7 @@
 //! Field values of nodes and objects, in one flat table: nesting costs no stack, neither when values are read
 //! nor when they are dropped.
 
+use crate::Limits;
 use std::collections::HashMap;
 
 /// An interned name.
@@ -58,18 +59,29 @@ impl Value {
     }
 }
 
-/// Values of a file. A byte of inline syntax can make one, which is a hundred times as large.
-const MOST_VALUES: usize = 16 << 20;
-
 /// All values of a file and the names that occur in it.
-#[derive(Default)]
 pub(crate) struct Values {
+    /// Most values, see [`Limits::graph_values`].
+    most: usize,
     values: Vec<Value>,
     names: Vec<Box<str>>,
     symbols: HashMap<Box<str>, Symbol>,
 }
 
+impl Default for Values {
+    fn default() -> Self {
+        Values::within(Limits::default().graph_values)
+    }
+}
+
 impl Values {
+    /// An empty table for at most so many values.
+    pub fn within(most: usize) -> Self {
+        // They are counted in 32 bits.
+        let most = most.min(1 << 31);
+        Values { most, values: Vec::new(), names: Vec::new(), symbols: HashMap::new() }
+    }
+
     /// The symbol of a name, new or old.
     pub fn intern(&mut self, name: &str) -> Symbol {
         if let Some(symbol) = self.symbols.get(name) {
@@ -95,9 +107,9 @@ impl Values {
         id
     }
 
-    /// Whether there are more values than any file within the limits needs: in XML, a value takes more than 32 bytes.
+    /// Whether there are as many values as there may be.
     pub fn is_full(&self) -> bool {
-        self.values.len() >= MOST_VALUES
+        self.values.len() >= self.most
     }
 
     pub fn get(&self, id: ValueId) -> &Value {
