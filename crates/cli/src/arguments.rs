@@ -149,8 +149,8 @@ pub struct RenderArguments {
           value_parser = whole_number(1..=64))]
     pub grid: u32,
 
-    /// What computes: auto (a graphics card if there is one, else the processor), cpu, gpu, or gpu:N for the
-    /// card that `sunshine devices` lists under that number
+    /// What computes: auto (a graphics card if there is one, else the processor), cpu, gpu, gpu:N for the card that
+    /// `sunshine devices` lists under that number, gpu:all for all cards together, or all for them and the processor
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = str::parse::<DeviceChoice>)]
     pub device: DeviceChoice,
 

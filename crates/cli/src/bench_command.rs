@@ -105,6 +105,8 @@ fn machine(arguments: &ThesisArguments) -> Result<Machine, Failure> {
             DeviceChoice::Cpu => "cpu".to_owned(),
             DeviceChoice::Gpu(None) => "gpu".to_owned(),
             DeviceChoice::Gpu(Some(number)) => format!("gpu{number}"),
+            DeviceChoice::AllGpus => "gpu-all".to_owned(),
+            DeviceChoice::All => "all".to_owned(),
         };
         devices.push((name, open_device(choice, threads)?));
     }

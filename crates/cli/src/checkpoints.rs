@@ -15,6 +15,8 @@ pub struct Checkpoints {
     path: Option<PathBuf>,
     every: Duration,
     last: Instant,
+    /// Samples per pixel of the film that is there.
+    saved: Option<u32>,
     provenance: Provenance,
     size: (u32, u32),
     messages: Messages,
@@ -33,6 +35,7 @@ impl Checkpoints {
             path: path(arguments).map(Path::to_owned),
             every: arguments.checkpoint_every,
             last: Instant::now(),
+            saved: None,
             provenance,
             size: (window.width, window.height),
             messages,
@@ -55,6 +58,9 @@ impl Checkpoints {
     /// Saves what there is.
     pub fn save(&mut self, sums: &FilmSums) -> Result<(), Failure> {
         let Some(path) = &self.path else { return Ok(()) };
+        if self.saved == Some(sums.samples()) {
+            return Ok(());
+        }
         let start = Instant::now();
         let provenance = Provenance { samples: sums.samples(), ..self.provenance.clone() };
         let written = write_film(path, &provenance, self.size, sums);
@@ -65,7 +71,9 @@ impl Checkpoints {
             duration_text(start.elapsed().as_secs_f64())
         );
         self.last = Instant::now();
-        written.map_err(|source| Failure::NotWritable { path: path.clone(), source })
+        written.map_err(|source| Failure::NotWritable { path: path.clone(), source })?;
+        self.saved = Some(sums.samples());
+        Ok(())
     }
 }
 

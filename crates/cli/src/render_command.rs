@@ -134,7 +134,8 @@ pub fn run(arguments: &RenderArguments) -> Result<Answer, Failure> {
         if let (Some(format), Some(stops)) = (format, stops) {
             text = format!("{}\n", Exposure::of(format, arguments.exposure, stops));
         }
-        text += &summary(&statistics);
+        let continued = kept.as_ref().map_or(0, |rendered| rendered.continued);
+        text += &summary(&statistics, continued);
         if ending == Ending::Stopped {
             text += &stopped(arguments, &plan, provenance.samples);
         }
@@ -340,10 +341,11 @@ impl std::fmt::Display for Exposure {
     }
 }
 
-fn summary(statistics: &Statistics) -> String {
+/// What was done; `continued` samples were there before.
+fn summary(statistics: &Statistics, continued: u64) -> String {
     let seconds = statistics.seconds.render;
     // A clock that did not move between two looks must not give infinity.
-    let rate = statistics.samples as f64 / seconds.max(1e-9);
+    let rate = statistics.samples.saturating_sub(continued) as f64 / seconds.max(1e-9);
     let noise = statistics.noise.filter(|noise| noise.is_finite());
     let noise =
         noise.map_or(String::new(), |noise| format!(", estimated relative error {:.1} %", noise * 100.0));

@@ -152,6 +152,8 @@ pub struct Rendered {
     pub ending: Ending,
     /// Seconds that rendering took.
     pub seconds: f64,
+    /// Samples of all pixels that were there already.
+    pub continued: u64,
 }
 
 /// Renders the whole picture in memory, and saves it as the arguments say.
@@ -166,9 +168,11 @@ pub fn render_film(
     let messages = follower.messages;
     let mut sums = checkpoints::sums(arguments, &plan.settings, &plan.wanted, provenance, messages)?;
     let mut checkpoints = Checkpoints::new(arguments, &plan.settings, provenance.clone(), messages);
+    let continued = sums.pixels() as u64 * u64::from(sums.samples());
     let start = Instant::now();
     let mut after = |sums: &FilmSums| {
         tracing::debug!(samples = sums.samples(), "a pass is done");
+        scene.failures().iter().for_each(|failure| messages.line(&format!("warning: {failure}")));
         checkpoints.save_now_and_then(sums);
         match follower.interruption.is_asked() {
             true => ControlFlow::Break(()),
@@ -178,6 +182,7 @@ pub fn render_film(
     let update = |done| follower.update(done);
     let rendered = render_passes(scene, &plan.settings, goal, &mut sums, &update, &mut after);
     let seconds = start.elapsed().as_secs_f64();
+    scene.failures().iter().for_each(|failure| messages.line(&format!("warning: {failure}")));
     // Also what was finished before a device failed.
     let saved = checkpoints.save(&sums);
     let ending = rendered?;
@@ -185,5 +190,5 @@ pub fn render_film(
     let window = plan.settings.window();
     let samples = sums.samples();
     let film = Film { width: window.width, height: window.height, pixels: sums.into_total() };
-    Ok(Rendered { film, samples, ending, seconds })
+    Ok(Rendered { film, samples, ending, seconds, continued })
 }

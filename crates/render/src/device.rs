@@ -165,7 +165,7 @@ impl Batch {
 }
 
 /// A scene on a device, ready to be rendered any number of times.
-pub trait LoadedScene {
+pub trait LoadedScene: Send + Sync {
     /// Does ahead what the first picture of a renderer needs besides: graphics cards compile their program.
     ///
     /// # Errors
@@ -205,6 +205,11 @@ pub trait LoadedScene {
         pixels: &mut [LayerPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError>;
+
+    /// What went wrong since the last question although the work was done: devices that are left out.
+    fn failures(&self) -> Vec<String> {
+        Vec::new()
+    }
 
     /// Renders all in memory: the sums are formed as [`FilmSums`] says.
     ///

@@ -298,6 +298,7 @@ impl<F: Read> Summed<F> {
 }
 
 #[cfg(test)]
+#[allow(clippy::single_range_in_vec_init, reason = "ranges of samples are meant")]
 mod tests {
     use super::*;
     use bytemuck::Zeroable;

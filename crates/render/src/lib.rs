@@ -22,6 +22,7 @@ mod provenance;
 mod rays;
 mod renderer;
 mod sampling;
+mod several;
 mod sums;
 
 pub use bands::{BAND_BYTES, Band, BandStatistics, Samples, Sampling, band_rows, render_bands};

@@ -1,7 +1,8 @@
 //! Choosing a device.
 
 use crate::cpu::Cpu;
-use crate::gpu::{Gpu, GpuInfo};
+use crate::gpu::{Gpu, GpuInfo, list_gpus};
+use crate::several::Several;
 use crate::{CompiledScene, Device, DeviceError, LoadedScene, Renderer};
 use std::str::FromStr;
 use std::sync::Arc;
@@ -16,6 +17,10 @@ pub enum DeviceChoice {
     Cpu,
     /// A graphics card: by its number, or the first one.
     Gpu(Option<usize>),
+    /// All graphics cards together, those in software only if there are no others.
+    AllGpus,
+    /// All graphics cards and the CPU.
+    All,
 }
 
 impl FromStr for DeviceChoice {
@@ -26,9 +31,11 @@ impl FromStr for DeviceChoice {
             "auto" => Ok(DeviceChoice::Auto),
             "cpu" => Ok(DeviceChoice::Cpu),
             "gpu" => Ok(DeviceChoice::Gpu(None)),
+            "gpu:all" => Ok(DeviceChoice::AllGpus),
+            "all" => Ok(DeviceChoice::All),
             _ => match text.strip_prefix("gpu:").map(str::parse) {
                 Some(Ok(number)) => Ok(DeviceChoice::Gpu(Some(number))),
-                _ => Err(format!("`{text}` is no device; use auto, cpu, gpu or gpu:N")),
+                _ => Err(format!("`{text}` is no device; use auto, cpu, gpu, gpu:N, gpu:all or all")),
             },
         }
     }
@@ -49,10 +56,80 @@ pub fn open_device(choice: DeviceChoice, threads: Option<usize>) -> Result<Box<d
     match choice {
         DeviceChoice::Cpu => Ok(Box::new(Cpu::new(threads)?)),
         DeviceChoice::Gpu(number) => Ok(Box::new(Arc::new(Gpu::open(number.unwrap_or(0))?))),
+        DeviceChoice::AllGpus => open_all(None),
+        DeviceChoice::All => open_all(Some(Cpu::new(threads)?)),
         DeviceChoice::Auto => match Gpu::open_automatic() {
             Some(Ok(gpu)) => Ok(Box::new(Arc::new(gpu))),
             Some(Err(_)) | None => Ok(Box::new(Cpu::new(threads)?)),
         },
+    }
+}
+
+/// All graphics cards that can be opened, and the CPU.
+fn open_all(cpu: Option<Cpu>) -> Result<Box<dyn Device>, DeviceError> {
+    let infos = list_gpus();
+    let has_hardware = infos.iter().any(|gpu| !gpu.is_software);
+    let mut devices: Vec<Box<dyn Device>> = Vec::new();
+    let mut failure = None;
+    for gpu in infos.iter().filter(|gpu| !has_hardware || !gpu.is_software) {
+        match Gpu::open(gpu.index) {
+            Ok(gpu) => devices.push(Box::new(Arc::new(gpu))),
+            Err(error) => {
+                tracing::warn!("{} is left out: {error}", gpu.name);
+                failure = Some(error);
+            }
+        }
+    }
+    if let Some(cpu) = cpu {
+        devices.push(Box::new(cpu));
+    }
+    match failure {
+        _ if !devices.is_empty() => Ok(Box::new(Together(devices))),
+        Some(error) => Err(error),
+        // Says that there is none.
+        None => Gpu::open(0).map(|gpu| Box::new(Arc::new(gpu)) as Box<dyn Device>),
+    }
+}
+
+/// Devices that work on the same picture.
+struct Together(Vec<Box<dyn Device>>);
+
+impl Together {
+    /// Each different text once, in order.
+    fn joined(&self, text: impl Fn(&dyn Device) -> String) -> String {
+        let mut texts: Vec<String> = self.0.iter().map(|device| text(device.as_ref())).collect();
+        texts.sort();
+        texts.dedup();
+        texts.join(" and ")
+    }
+}
+
+impl Device for Together {
+    fn name(&self) -> String {
+        let names: Vec<String> = self.0.iter().map(|device| device.name()).collect();
+        names.join(" and ")
+    }
+
+    fn kind(&self) -> String {
+        self.joined(|device| device.kind())
+    }
+
+    fn load(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn LoadedScene>, DeviceError> {
+        let mut loaded = Vec::new();
+        let mut failure = None;
+        for device in &self.0 {
+            match device.load(Arc::clone(&scene)) {
+                Ok(scene) => loaded.push((device.name(), scene)),
+                Err(error) => {
+                    tracing::warn!("{} is left out: {error}", device.name());
+                    failure = Some(error);
+                }
+            }
+        }
+        match failure {
+            Some(error) if loaded.is_empty() => Err(error),
+            _ => Ok(Box::new(Several::new(loaded, None))),
+        }
     }
 }
 
@@ -65,7 +142,8 @@ pub struct ReadyDevice {
 }
 
 /// Loads a scene into a device from [`open_device`] and prepares it for a renderer: graphics cards compile their
-/// program for it.
+/// program for it. Should a graphics card fail later, smaller pieces of work are tried, then the CPU goes on;
+/// [`LoadedScene::failures`] tells.
 ///
 /// # Errors
 /// If the device refuses. `Auto` falls back to the CPU instead.
@@ -77,14 +155,26 @@ pub fn load_for(
     renderer: Renderer,
 ) -> Result<ReadyDevice, DeviceError> {
     let load = |device: Box<dyn Device>| {
-        let scene = device.load(Arc::clone(scene))?;
-        scene.prepare(renderer)?;
-        Ok(ReadyDevice { device, scene })
+        let loaded = device.load(Arc::clone(scene))?;
+        loaded.prepare(renderer)?;
+        Ok(ReadyDevice { device, scene: loaded })
     };
-    match load(device) {
-        Err(_) if choice == DeviceChoice::Auto => load(Box::new(Cpu::new(threads)?)),
+    let cpu = || Cpu::new(threads).map(|cpu| Box::new(cpu) as Box<dyn Device>);
+    let ready = match load(device) {
+        Err(_) if choice == DeviceChoice::Auto => load(cpu()?),
         result => result,
+    }?;
+    // Nothing stands in for the CPU.
+    if ready.device.kind() == Cpu::KIND {
+        return Ok(ready);
     }
+    let scene = Arc::clone(scene);
+    let spare = move || {
+        let cpu = Cpu::new(threads)?;
+        Ok((cpu.name(), cpu.load(Arc::clone(&scene))?))
+    };
+    let several = Several::new(vec![(ready.device.name(), ready.scene)], Some(Box::new(spare)));
+    Ok(ReadyDevice { device: ready.device, scene: Box::new(several) })
 }
 
 #[cfg(test)]
@@ -110,6 +200,8 @@ mod tests {
     fn device_names_are_understood() {
         assert_eq!("auto".parse(), Ok(DeviceChoice::Auto));
         assert_eq!("gpu".parse(), Ok(DeviceChoice::Gpu(None)));
+        assert_eq!("gpu:all".parse(), Ok(DeviceChoice::AllGpus));
+        assert_eq!("all".parse(), Ok(DeviceChoice::All));
         assert_eq!("gpu:2".parse(), Ok(DeviceChoice::Gpu(Some(2))));
         for wrong in ["", "gpu:", "gpu:-1", "gpu:x", "cuda"] {
             assert!(wrong.parse::<DeviceChoice>().is_err(), "{wrong}");

@@ -279,6 +279,7 @@ fn add_pixels(left: &mut [FilmPixel], right: &[FilmPixel]) {
 }
 
 #[cfg(test)]
+#[allow(clippy::single_range_in_vec_init, reason = "ranges of samples are meant")]
 mod tests {
     use super::*;
 

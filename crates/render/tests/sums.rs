@@ -1,5 +1,6 @@
 //! Renderings that are interrupted, continued, divided into shares and joined: always the same bits.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the failure report")]
+#![allow(clippy::single_range_in_vec_init, reason = "ranges of samples are meant")]
 
 mod common;
 
@@ -12,6 +13,7 @@ use render::{
 use scene::{DVec3, LightKind, Scene, Shape};
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A lit sphere on the ground with a penumbra.
 fn small_scene() -> Scene {
@@ -84,6 +86,32 @@ fn shares_join_on_a_graphics_card() {
 }
 
 #[test]
+fn several_devices_make_the_picture_of_one() {
+    let Some(gpu) = gpu() else { return };
+    let scene = Arc::new(compile(&small_scene()).unwrap());
+    // Tall, so that there are rows for all.
+    let tall = settings(6, 70, 2, 3);
+    let one = render::Device::load(&gpu, Arc::clone(&scene)).unwrap().render(&tall, &go_on).unwrap();
+    // The software adapter alone is all graphics cards here; on a machine with several of one kind it is the same.
+    let all = open_device(DeviceChoice::AllGpus, None).unwrap();
+    let kinds = all.kind();
+    let film = all.load(Arc::clone(&scene)).unwrap().render(&tall, &go_on).unwrap();
+    if !kinds.contains(" and ") {
+        assert!(bytes(&film) == bytes(&one));
+    }
+    // Different kinds: every pixel is that of one or the other.
+    let both = open_device(DeviceChoice::All, Some(1)).unwrap();
+    assert!(both.kind().contains("CPU and "), "{}", both.kind());
+    let mixed = both.load(Arc::clone(&scene)).unwrap().render(&tall, &go_on).unwrap();
+    let cpu = open_device(DeviceChoice::Cpu, Some(1)).unwrap();
+    let cpu = cpu.load(scene).unwrap().render(&tall, &go_on).unwrap();
+    for (number, pixel) in mixed.pixels.iter().enumerate() {
+        let is_of = |film: &Film| bytemuck::bytes_of(&film.pixels[number]) == bytemuck::bytes_of(pixel);
+        assert!(is_of(&cpu) || is_of(&film), "pixel {number}");
+    }
+}
+
+#[test]
 fn a_rendering_that_is_stopped_after_every_pass_and_stored_ends_the_same() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("a.film");
@@ -134,7 +162,7 @@ fn bands_and_passes_give_what_the_whole_film_gives() {
 }
 
 /// Fails after some samples of its third batch.
-struct Failing(Box<dyn LoadedScene>, std::cell::Cell<u32>);
+struct Failing(Box<dyn LoadedScene>, AtomicU32);
 
 impl LoadedScene for Failing {
     fn add_samples(
@@ -144,8 +172,7 @@ impl LoadedScene for Failing {
         pixels: &mut [kernels::records::kernel::FilmPixel],
         progress: &render::Progress<'_>,
     ) -> Result<(), DeviceError> {
-        self.1.set(self.1.get() + 1);
-        if self.1.get() == 3 {
+        if self.1.fetch_add(1, Ordering::Relaxed) == 2 {
             pixels[0].samples += 1;
             return Err(DeviceError::Cancelled);
         }
@@ -165,7 +192,7 @@ impl LoadedScene for Failing {
 
 #[test]
 fn finished_samples_survive_a_device_that_fails() {
-    let failing = Failing(load(), std::cell::Cell::new(0));
+    let failing = Failing(load(), AtomicU32::new(0));
     let mut sums = FilmSums::new(12 * 9, 0);
     for samples in [64, 10] {
         sums.add(&failing, &plain(), &Batch::whole(&plain()), samples, &go_on).unwrap();

@@ -110,6 +110,8 @@ fn open_devices(arguments: &MatrixArguments) -> Result<Vec<OpenDevice>, Failure>
             DeviceChoice::Auto | DeviceChoice::Cpu => "cpu".to_owned(),
             DeviceChoice::Gpu(None | Some(0)) => "gpu".to_owned(),
             DeviceChoice::Gpu(Some(number)) => format!("gpu:{number}"),
+            DeviceChoice::AllGpus => "gpu:all".to_owned(),
+            DeviceChoice::All => "all".to_owned(),
         };
         if devices.iter().all(|known| known.key != key) {
             let mut open = 0.0;

@@ -36,6 +36,9 @@ pub struct Cpu {
 }
 
 impl Cpu {
+    /// All processors make the same picture.
+    pub(crate) const KIND: &str = "CPU";
+
     /// Uses the given number of threads, or one per processor.
     ///
     /// # Errors
@@ -65,7 +68,7 @@ impl Device for Cpu {
     }
 
     fn kind(&self) -> String {
-        "CPU".to_owned()
+        Self::KIND.to_owned()
     }
 
     fn load(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn LoadedScene>, DeviceError> {
