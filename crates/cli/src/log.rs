@@ -24,13 +24,13 @@ pub fn start(arguments: &LogArguments) -> Result<(), Failure> {
     let subscriber = tracing_subscriber::fmt().with_max_level(level);
     // A log that begins twice is a mistake of this program and not worth stopping for.
     let _ = match &arguments.log_file {
-        None => tracing::subscriber::set_global_default(subscriber.with_writer(shown).finish()),
+        None => subscriber.with_writer(shown).try_init(),
         Some(path) => {
             // What an earlier run wrote stays: a job may be continued.
             let file = File::options().append(true).create(true).open(path);
             let file = file.map_err(|source| Failure::NotWritable { path: path.clone(), source })?;
             let both = shown.and(Mutex::new(file));
-            tracing::subscriber::set_global_default(subscriber.with_writer(both).finish())
+            subscriber.with_writer(both).try_init()
         }
     };
     Ok(())

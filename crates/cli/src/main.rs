@@ -19,6 +19,7 @@ mod render_command;
 mod rendering;
 mod show_command;
 mod statistics;
+mod terminal;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -34,7 +35,7 @@ fn main() -> ExitCode {
     match answer.and_then(|answer| print(&answer.text).map(|()| answer.exit_code)) {
         Ok(code) => ExitCode::from(code),
         Err(failure) => {
-            let explanation = failure.explanation();
+            let explanation = terminal::printable(&failure.explanation());
             tracing::error!(target: log::SAID, "{}", explanation.trim_end());
             // There is nowhere left to report that this failed.
             let _ = io::stderr().write_all(explanation.as_bytes());
@@ -88,7 +89,7 @@ fn answer(arguments: Arguments) -> Result<Answer, Failure> {
 
 fn print(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(terminal::printable(text).as_bytes()).and_then(|()| out.flush()) {
         // Whoever was reading has seen enough, as in `sunshine info plant.gsz | head -1`.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         result => Ok(result?),

@@ -1,5 +1,6 @@
 //! What is told on standard error while the work goes on.
 
+use crate::terminal::printable;
 use groimp::Report;
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use std::fmt;
@@ -18,6 +19,7 @@ pub struct Messages {
 impl Messages {
     /// Says one thing.
     pub fn line(&self, text: &str) {
+        let text = printable(text);
         tracing::info!(target: crate::log::SAID, "{text}");
         if !self.quiet {
             // Work is not given up because nobody listens.

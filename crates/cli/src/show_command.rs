@@ -12,12 +12,7 @@ pub fn run(arguments: &ShowArguments) -> Result<String, Failure> {
         if arguments.files.len() > 1 {
             text.push_str(&format!("{}\n", path.display()));
         }
-        text.push_str(&printable(&record));
+        text.push_str(&record);
     }
     Ok(text)
-}
-
-/// Nothing in a file shall move the cursor of a terminal.
-fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() && c != '\n' { ' ' } else { c }).collect()
 }

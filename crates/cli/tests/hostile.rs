@@ -280,6 +280,26 @@ fn every_hostile_project_ends_with_an_explanation_or_a_picture() {
 }
 
 #[test]
+fn names_cannot_move_the_cursor() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("a.gsz");
+    let name = "img\u{1b}[2J\u{202e}gnp.exe";
+    let registry = registry(&name.replace('\u{1b}', "\u{9b}"), "s.rgg", "graph.xml");
+    let bytes = zipped(&[("project.gs", registry.as_bytes()), ("graph.xml", textured().as_bytes())]);
+    std::fs::write(&path, bytes).unwrap();
+    for words in [&["info"][..], &["render", "--size", "4x4", "--samples", "1", "--device", "cpu"]] {
+        let mut all = words.to_vec();
+        all.push(path.to_str().unwrap());
+        let output = sunshine(directory.path(), &all);
+        assert!(output.status.success());
+        let said = [output.stdout, output.stderr].concat();
+        let said = String::from_utf8(said).unwrap();
+        assert!(said.contains("gnp.exe"), "{said}");
+        assert!(!said.contains(['\u{1b}', '\u{9b}', '\u{202e}']), "{said:?}");
+    }
+}
+
+#[test]
 fn limits_have_names() {
     let directory = tempfile::tempdir().unwrap();
     let wrong = |words: &[&str], part: &str| {
