@@ -36,7 +36,7 @@ pub struct Arguments {
 /// What every command can tell of its work.
 #[derive(Debug, Args)]
 pub struct LogArguments {
-    /// Tell what is being done, with times; -vv tells more
+    /// Tell what is being done, with times; -vv tells more, -vvv also what the drivers of graphics cards say
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub verbose: u8,
 

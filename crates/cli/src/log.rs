@@ -6,7 +6,12 @@ use std::fs::File;
 use std::io;
 use std::sync::Mutex;
 use tracing::Level;
+use tracing_subscriber::Layer;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::fmt::layer;
 use tracing_subscriber::fmt::writer::MakeWriterExt;
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
 
 /// Of what is printed anyway and only noted in the log file.
 pub const SAID: &str = "said";
@@ -21,16 +26,22 @@ pub fn start(arguments: &LogArguments) -> Result<(), Failure> {
     };
     let is_shown = arguments.verbose > 0;
     let shown = io::stderr.with_filter(move |event| is_shown && event.target() != SAID);
-    let subscriber = tracing_subscriber::fmt().with_max_level(level);
+    // Graphics drivers and their interface write thousands of lines; their warnings do unless everything is wanted.
+    let others = if level == Level::TRACE { Level::TRACE } else { Level::WARN };
+    let targets = [("sunshine", level), ("render", level), (SAID, level)]
+        .into_iter()
+        .collect::<Targets>()
+        .with_default(others);
+    let registry = tracing_subscriber::registry();
     // A log that begins twice is a mistake of this program and not worth stopping for.
     let _ = match &arguments.log_file {
-        None => subscriber.with_writer(shown).try_init(),
+        None => registry.with(layer().with_writer(shown).with_filter(targets)).try_init(),
         Some(path) => {
             // What an earlier run wrote stays: a job may be continued.
             let file = File::options().append(true).create(true).open(path);
             let file = file.map_err(|source| Failure::NotWritable { path: path.clone(), source })?;
             let both = shown.and(Mutex::new(file));
-            subscriber.with_writer(both).try_init()
+            registry.with(layer().with_writer(both).with_filter(targets)).try_init()
         }
     };
     Ok(())
