@@ -2,11 +2,12 @@
 
 use crate::bench_arguments::{CompareArguments, MatrixArguments};
 use crate::camera_arguments::CameraArguments;
+use crate::daylight_arguments::DaylightArguments;
 use crate::option_values::{
     NamedLimit, Pixel, SampleRange, Size, parse_acceleration, parse_background, parse_crop, parse_exposure,
     parse_flatness, parse_limit, parse_noise, parse_sample_range, parse_time, picture_path, whole_number,
 };
-use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgAction, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use render::{
     Acceleration, CropWindow, DeviceChoice, Filter, Layers, RenderSettings, Renderer, Sampler, Sampling,
     StopRule,
@@ -45,11 +46,23 @@ pub struct LogArguments {
     pub log_file: Option<PathBuf>,
 }
 
+/// Reads the command line; ends the process if it is wrong, or for help.
+pub fn parse() -> Arguments {
+    let command = Arguments::command();
+    #[cfg(feature = "view")]
+    let command = crate::view_arguments::without_other_options(command);
+    let matches = command.get_matches();
+    Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+}
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Make a picture of a scene
     Render(Box<RenderArguments>),
+    /// Open a window on a scene: look at it from everywhere, change settings, pick, save pictures
+    #[cfg(feature = "view")]
+    View(Box<crate::view_arguments::ViewArguments>),
     /// Show what a scene holds, and what of it cannot be drawn
     Info(InfoArguments),
     /// List the processors and graphics cards that can render
@@ -76,9 +89,9 @@ pub struct RenderArguments {
     #[arg(short, long, value_name = "FILE", value_parser = picture_path())]
     pub output: Option<PathBuf>,
 
-    /// Width and height of the picture in pixels
-    #[arg(long, value_name = "WxH", default_value_t = Size::of(&RenderSettings::default()))]
-    pub size: Size,
+    /// Width and height of the picture in pixels [default: 640x480]
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
 
     /// How light is computed: pathtracer (all of it, with noise) or raytracer (direct light, shadows, mirrors and
     /// glass, as GroIMP's own ray tracer)
@@ -230,6 +243,10 @@ pub struct RenderArguments {
     /// What changes the saved view.
     #[command(flatten)]
     pub camera: CameraArguments,
+
+    /// What changes the sun.
+    #[command(flatten)]
+    pub daylight: DaylightArguments,
 }
 
 impl RenderArguments {
@@ -244,9 +261,10 @@ impl RenderArguments {
 
     /// What the renderer needs to know of them.
     pub fn settings(&self) -> RenderSettings {
+        let size = self.size.unwrap_or(Size::of(&RenderSettings::default()));
         RenderSettings {
-            width: self.size.width,
-            height: self.size.height,
+            width: size.width,
+            height: size.height,
             samples: self.samples.unwrap_or(RenderSettings::default().samples),
             depth: self.depth,
             grid: self.grid,
@@ -477,7 +495,6 @@ impl LimitArguments {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     fn render(words: &[&str]) -> Result<RenderArguments, clap::Error> {
         let all = ["sunshine", "render", "plant.gsz"].iter().chain(words);
@@ -496,7 +513,7 @@ mod tests {
     fn defaults() {
         let arguments = render(&[]).unwrap();
         assert_eq!(arguments.settings(), RenderSettings::default());
-        assert_eq!(arguments.size, Size { width: 640, height: 480 });
+        assert_eq!((arguments.settings().width, arguments.settings().height), (640, 480));
         assert_eq!(arguments.device, DeviceChoice::Auto);
         assert_eq!((arguments.depth, arguments.grid, arguments.seed), (5, 3, 0));
         assert_eq!(arguments.settings().samples, 64);

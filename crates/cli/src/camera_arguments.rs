@@ -41,6 +41,23 @@ pub struct CameraArguments {
 }
 
 impl CameraArguments {
+    /// The options as they were given.
+    #[cfg(feature = "view")]
+    pub fn words(&self) -> Vec<String> {
+        let point = |point: DVec3| format!("{},{},{}", point.x, point.y, point.z);
+        let options = [
+            ("camera-position", self.camera_position.map(point)),
+            ("camera-target", self.camera_target.map(point)),
+            ("camera-up", self.camera_up.map(point)),
+            ("fov", self.fov.map(|degrees| degrees.to_string())),
+            ("parallel", self.parallel.map(|width| width.to_string())),
+            ("aperture", self.aperture.map(|radius| radius.to_string())),
+            ("focus", self.focus.map(|distance| distance.to_string())),
+        ];
+        let given = options.into_iter().filter_map(|(name, value)| Some([format!("--{name}"), value?]));
+        given.flatten().collect()
+    }
+
     /// Changes the camera of a scene.
     ///
     /// # Errors

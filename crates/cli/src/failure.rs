@@ -48,6 +48,10 @@ pub enum Failure {
         /// What the system says.
         source: io::Error,
     },
+    /// There is no window.
+    #[cfg(feature = "view")]
+    #[error(transparent)]
+    View(#[from] view::ViewError),
     /// The picture could not be written.
     #[error(transparent)]
     Picture(#[from] PictureError),

@@ -5,6 +5,7 @@ mod bench_arguments;
 mod bench_command;
 mod camera_arguments;
 mod checkpoints;
+mod daylight_arguments;
 mod denoising;
 mod devices_command;
 mod failure;
@@ -20,16 +21,19 @@ mod rendering;
 mod show_command;
 mod statistics;
 mod terminal;
+#[cfg(feature = "view")]
+mod view_arguments;
+#[cfg(feature = "view")]
+mod view_command;
 
 use arguments::{Arguments, Command};
-use clap::Parser;
 use failure::Failure;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     // Ends the process for wrong usage (2), --help and --version (0).
-    let arguments = Arguments::parse();
+    let arguments = arguments::parse();
     quieten_drivers(arguments.no_cache);
     let answer = log::start(&arguments.log).and_then(|()| answer(arguments));
     match answer.and_then(|answer| print(&answer.text).map(|()| answer.exit_code)) {
@@ -78,6 +82,8 @@ impl From<String> for Answer {
 fn answer(arguments: Arguments) -> Result<Answer, Failure> {
     Ok(match arguments.command {
         Command::Render(arguments) => return render_command::run(&arguments),
+        #[cfg(feature = "view")]
+        Command::View(arguments) => view_command::run(&arguments)?.into(),
         Command::Info(arguments) => info_command::run(&arguments)?.into(),
         Command::Devices => devices_command::run().into(),
         Command::Merge(arguments) => merge_command::run(&arguments)?.into(),

@@ -6,7 +6,7 @@ use crate::checkpoints;
 use crate::denoising::Denoiser;
 use crate::failure::Failure;
 use crate::interruption::Interruption;
-use crate::option_values::Pixel;
+use crate::option_values::{Pixel, Size};
 use crate::progress::Messages;
 use crate::rendering::{Follower, Plan, Rendered, render_film};
 use crate::statistics::{Seconds, Statistics, count_text, duration_text, timed};
@@ -56,6 +56,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Answer, Failure> {
             .map_err(Failure::reading(&arguments.scene))?;
     messages.report(&project.report);
     arguments.camera.apply(&mut project.scene)?;
+    arguments.daylight.apply(&mut project.scene.sky)?;
     let scene =
         Arc::new(timed(&mut seconds.compile, || render::compile_with(&project.scene, arguments.accel))?);
     tracing::info!(
@@ -280,13 +281,16 @@ fn pixel_events(arguments: &RenderArguments, pixel: Pixel, messages: Messages) -
     if pixel.x >= settings.width || pixel.y >= settings.height {
         return Err(Failure::Usage(format!(
             "--pixel {},{} is outside of the picture, whose size is {}",
-            pixel.x, pixel.y, arguments.size
+            pixel.x,
+            pixel.y,
+            Size::of(&settings)
         )));
     }
     let mut project = groimp::read_with(&arguments.scene, &arguments.read_options())
         .map_err(Failure::reading(&arguments.scene))?;
     messages.report(&project.report);
     arguments.camera.apply(&mut project.scene)?;
+    arguments.daylight.apply(&mut project.scene.sky)?;
     let scene = render::compile_with(&project.scene, arguments.accel)?;
     Ok(render::pixel_events(&scene, &settings, (pixel.x, pixel.y), pixel.samples))
 }
@@ -397,7 +401,7 @@ fn output(arguments: &RenderArguments) -> Option<PathBuf> {
 }
 
 /// The scene's name with .png, in the current directory.
-fn default_output(scene: &Path) -> PathBuf {
+pub fn default_output(scene: &Path) -> PathBuf {
     let mut name = scene_name(scene).unwrap_or_else(|| "picture".into());
     // Not `set_extension`: the name of a directory may have a dot in it.
     name.push(".png");

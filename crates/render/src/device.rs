@@ -1,6 +1,6 @@
 //! What every device can do.
 
-use crate::{CompiledScene, CropWindow, Film, FilmSums, Filter, Renderer, Sampler};
+use crate::{CompiledScene, CropWindow, Film, FilmSums, Filter, Renderer, Sampler, View};
 use kernels::records::kernel::{FilmPixel, LaunchSettings, LayerPixel};
 use std::sync::Arc;
 
@@ -101,7 +101,7 @@ pub use std::ops::ControlFlow;
 pub type Progress<'a> = dyn Fn(u64) -> ControlFlow<()> + Sync + 'a;
 
 /// Something that can render.
-pub trait Device {
+pub trait Device: Send + Sync {
     /// What users know it by, for example `CPU (8 threads)` or `NVIDIA GeForce RTX 3060 (Vulkan)`.
     fn name(&self) -> String;
 
@@ -166,6 +166,12 @@ impl Batch {
 
 /// A scene on a device, ready to be rendered any number of times.
 pub trait LoadedScene: Send + Sync {
+    /// Looks at the scene through another camera from now on; the rest of the scene stays where it is.
+    ///
+    /// # Errors
+    /// If the device fails.
+    fn set_view(&mut self, view: &View) -> Result<(), DeviceError>;
+
     /// Does ahead what the first picture of a renderer needs besides: graphics cards compile their program.
     ///
     /// # Errors

@@ -17,6 +17,7 @@ mod film_memory;
 pub mod gpu;
 mod open;
 mod passes;
+mod picking;
 mod picture;
 mod provenance;
 mod rays;
@@ -26,7 +27,7 @@ mod several;
 mod sums;
 
 pub use bands::{BAND_BYTES, Band, BandStatistics, Samples, Sampling, band_rows, render_bands};
-pub use compile::{Acceleration, CompileError, CompiledScene, compile, compile_with};
+pub use compile::{Acceleration, CompileError, CompiledScene, View, compile, compile_with};
 pub use denoised::{DenoiseFunction, NoisyPicture, check_denoised_size, render_denoised};
 pub use device::{Batch, ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
 pub use events::pixel_events;
@@ -36,9 +37,10 @@ pub use film_memory::{check_kept, film_bytes, film_limit};
 pub use gpu::{GpuInfo, list_gpus};
 pub use open::{DeviceChoice, ReadyDevice, automatic_gpu, load_for, open_device};
 pub use passes::{Ending, Goal, StopRule, relative_noise, render_passes, render_until};
+pub use picking::{Picked, pick};
 pub use picture::{
     BandSink, Layer, Layers, Origins, PictureError, PictureFormat, PictureTarget, RecordError, RenderError,
-    check_writable, read_record, stream_picture, write_picture, write_whole_file,
+    check_writable, read_record, shown_colour, stream_picture, write_picture, write_whole_file,
 };
 pub use provenance::{Difference, Provenance};
 pub use rays::WorldRay;

@@ -14,6 +14,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub use encode::shown_colour;
 pub use layers::{Layer, Layers, Origins};
 pub use record::{RecordError, read_record};
 pub use stream::{BandSink, PictureTarget, stream_picture};

@@ -4,7 +4,7 @@
 //! that of one of them, bit for bit. On different kinds it depends on their speed which of them computes a pixel; the
 //! picture is right, but its last digits may differ from run to run.
 
-use crate::{Batch, ControlFlow, DeviceError, LoadedScene, Progress, RenderSettings, Renderer};
+use crate::{Batch, ControlFlow, DeviceError, LoadedScene, Progress, RenderSettings, Renderer, View};
 use bytemuck::Pod;
 use kernels::records::kernel::{FilmPixel, LayerPixel};
 use std::ops::Range;
@@ -21,6 +21,8 @@ pub(crate) struct Several {
     /// Stands in when none is left; taken once.
     spare: Mutex<Option<Box<Spare>>>,
     stand_in: std::sync::OnceLock<Member>,
+    /// Another camera than that of the scene, for whoever stands in.
+    view: Option<View>,
     /// What went wrong, to be told.
     failures: Mutex<Vec<String>>,
 }
@@ -101,6 +103,7 @@ impl Several {
             members: devices.into_iter().map(Member::new).collect(),
             spare: Mutex::new(spare),
             stand_in: std::sync::OnceLock::new(),
+            view: None,
             failures: Mutex::default(),
         }
     }
@@ -172,7 +175,10 @@ impl Several {
     /// Brings the device that stands in; false if there is none any more.
     fn call_spare(&self) -> Result<bool, DeviceError> {
         let Some(spare) = lock(&self.spare).take() else { return Ok(false) };
-        let (name, scene) = spare()?;
+        let (name, mut scene) = spare()?;
+        if let Some(view) = &self.view {
+            scene.set_view(view)?;
+        }
         lock(&self.failures).push(format!("{name} goes on"));
         Ok(self.stand_in.set(Member::new((name, scene))).is_ok())
     }
@@ -264,6 +270,24 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl LoadedScene for Several {
+    fn set_view(&mut self, view: &View) -> Result<(), DeviceError> {
+        self.view = Some(view.clone());
+        let mut last = None;
+        for member in
+            self.members.iter_mut().chain(self.stand_in.get_mut()).filter(|member| member.is_alive())
+        {
+            if let Err(error) = member.scene.set_view(view) {
+                member.has_failed.store(true, Ordering::Relaxed);
+                lock(&self.failures).push(format!("{} is left out: {error}", member.name));
+                last = Some(error);
+            }
+        }
+        match last {
+            Some(error) if self.alive().is_empty() && lock(&self.spare).is_none() => Err(error),
+            _ => Ok(()),
+        }
+    }
+
     fn prepare(&self, renderer: Renderer) -> Result<(), DeviceError> {
         for member in self.alive() {
             member.scene.prepare(renderer)?;
@@ -325,6 +349,10 @@ mod tests {
     }
 
     impl LoadedScene for Fake {
+        fn set_view(&mut self, _: &View) -> Result<(), DeviceError> {
+            Ok(())
+        }
+
         fn add_samples(
             &self,
             settings: &RenderSettings,

@@ -165,6 +165,10 @@ fn bands_and_passes_give_what_the_whole_film_gives() {
 struct Failing(Box<dyn LoadedScene>, AtomicU32);
 
 impl LoadedScene for Failing {
+    fn set_view(&mut self, view: &render::View) -> Result<(), DeviceError> {
+        self.0.set_view(view)
+    }
+
     fn add_samples(
         &self,
         settings: &RenderSettings,

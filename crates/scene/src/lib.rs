@@ -18,6 +18,7 @@ mod material;
 mod mesh;
 mod object;
 mod shape;
+mod sun;
 mod volume;
 
 pub use camera::{Camera, Lens, Projection};
@@ -33,6 +34,7 @@ pub use material::{Material, Phong};
 pub use mesh::{Mesh, VisibleSides};
 pub use object::{Emission, Interior, Object, Origin};
 pub use shape::Shape;
+pub use sun::SunPosition;
 pub use volume::{VolumeFunction, WaveForm, WaveStep};
 
 /// A linear Rec. 709 colour or a power, irradiance or radiance in three channels.
@@ -73,7 +75,7 @@ index_type!(
 );
 
 /// Everything that is needed to make a picture.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// What can be hit by a ray.
     pub objects: Vec<Object>,

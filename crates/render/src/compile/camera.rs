@@ -59,18 +59,50 @@ pub(super) fn compile_camera(
     })
 }
 
-/// Focuses on the surface that the middle of the picture shows; at infinity if there is none.
-pub(super) fn focus_on_middle(compiled: &mut CompiledScene) {
-    let settings = crate::RenderSettings { width: 2, height: 2, ..Default::default() }.launch();
-    let ray = camera_ray(compiled.header, settings, 1.0, 1.0);
-    let hit = closest_hit(Slices::of(compiled), ray, independent_key(0, 0, 0), 0);
-    let mut distance = f64::from(hit.shape.t);
-    if compiled.header.camera == CAMERA_PARALLEL {
-        // These rays start behind the view plane.
-        distance -= f64::from(compiled.header.start_distance);
+/// A camera for a scene that was compiled with another one.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// That of the scene, with this camera in it.
+    pub(crate) header: SceneHeader,
+}
+
+impl CompiledScene {
+    /// The scene through another camera: exactly the picture of the scene compiled with it. (But for scenes of
+    /// unbounded objects alone: they are rounded relative to the camera that they were compiled with.)
+    ///
+    /// # Errors
+    /// If the numbers of the camera make no picture.
+    pub fn view(&self, camera: &Camera) -> Result<View, CompileError> {
+        let local_from_world = DAffine3::from_translation(-self.origin);
+        let seen = compile_camera(camera, &local_from_world, self.local_bounds)?;
+        let mut header = SceneHeader {
+            world_from_view: seen.world_from_view,
+            view_scale_x: seen.view_scale_x,
+            view_scale_y: seen.view_scale_y,
+            start_distance: seen.start_distance,
+            camera: seen.camera,
+            lens_radius: seen.lens_radius,
+            vergence: seen.vergence,
+            ..self.header
+        };
+        if camera.lens.is_some_and(|lens| lens.focus.is_none()) {
+            header.vergence = middle_vergence(self, &header);
+        }
+        Ok(View { header })
     }
-    let vergence = if hit.object == NONE || distance == 0.0 { 0.0 } else { distance.recip() };
-    compiled.header.vergence = vergence as f32;
+}
+
+/// 1 / distance of the surface that the middle of the picture shows; 0 if there is none.
+pub(super) fn middle_vergence(compiled: &CompiledScene, header: &SceneHeader) -> f32 {
+    let settings = crate::RenderSettings { width: 2, height: 2, ..Default::default() }.launch();
+    let ray = camera_ray(*header, settings, 1.0, 1.0);
+    let hit = closest_hit(Slices::through(compiled, header), ray, independent_key(0, 0, 0), 0);
+    let mut distance = f64::from(hit.shape.t);
+    if header.camera == CAMERA_PARALLEL {
+        // These rays start behind the view plane.
+        distance -= f64::from(header.start_distance);
+    }
+    if hit.object == NONE || distance == 0.0 { 0.0 } else { distance.recip() as f32 }
 }
 
 /// Height above the view plane from which parallel rays see all finite objects, in metres.

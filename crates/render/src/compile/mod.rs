@@ -19,6 +19,8 @@ mod texels;
 mod triangles;
 mod unit_shapes;
 
+pub use camera::View;
+
 use crate::compile::materials::Materials;
 use crate::compile::objects::Objects;
 use kernels::records::kernel::{
@@ -58,6 +60,8 @@ pub struct CompiledScene {
     /// What the tables contain: `FEATURE_LOBES` and the others of the kernels.
     pub features: u32,
     triangles: usize,
+    /// Corners of the box round all bounded objects, relative to the origin.
+    local_bounds: Option<(DVec3, DVec3)>,
 }
 
 /// How objects are found along a ray.
@@ -213,11 +217,12 @@ pub fn compile_with(scene: &Scene, acceleration: Acceleration) -> Result<Compile
         origin,
         features: 0,
         triangles,
+        local_bounds,
     };
     compiled.features = features::features(&compiled);
     environment::add_sky_densities(&mut compiled);
     if scene.camera.lens.is_some_and(|lens| lens.focus.is_none()) {
-        camera::focus_on_middle(&mut compiled);
+        compiled.header.vergence = camera::middle_vergence(&compiled, &compiled.header);
     }
     Ok(compiled)
 }

@@ -27,6 +27,8 @@ impl CompiledScene {
             origin,
             features,
             triangles: _,
+            // Of the objects.
+            local_bounds: _,
         } = self;
         let mut all = Sha256::new();
         all.update(bytemuck::bytes_of(header));

@@ -9,10 +9,12 @@ mod slices;
 pub use search::{RaySearch, ShadowRay};
 pub(crate) use slices::Slices;
 
-use crate::{Batch, CompiledScene, ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
+use crate::{
+    Batch, CompiledScene, ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings, View,
+};
 use kernels::layers::kernel::layers_of_pixel;
 use kernels::pixel::kernel::render_pixel;
-use kernels::records::kernel::{ALL_FEATURES, FilmPixel, LayerPixel, launched_samples};
+use kernels::records::kernel::{ALL_FEATURES, FilmPixel, LayerPixel, SceneHeader, launched_samples};
 use rayon::prelude::*;
 use slices::{PLAIN_FEATURES, ShapeLine, leaves_are_single, shape_lines};
 use std::sync::Arc;
@@ -79,6 +81,8 @@ impl Device for Cpu {
 struct CpuScene {
     threads: Arc<rayon::ThreadPool>,
     scene: Arc<CompiledScene>,
+    /// That of the scene, or one with another camera.
+    header: SceneHeader,
     /// Of every object.
     shapes: Vec<ShapeLine>,
     leaves_are_single: bool,
@@ -94,6 +98,11 @@ const TILE_ROWS: usize = 4;
 const GROUP_EDGE: usize = 4;
 
 impl LoadedScene for CpuScene {
+    fn set_view(&mut self, view: &View) -> Result<(), DeviceError> {
+        self.header = view.header;
+        Ok(())
+    }
+
     fn add_samples(
         &self,
         settings: &RenderSettings,
@@ -151,7 +160,14 @@ impl CpuScene {
     fn new(cpu: &Cpu, scene: Arc<CompiledScene>) -> Self {
         let (shapes, leaves_are_single) =
             cpu.threads.install(|| (shape_lines(&scene.objects), leaves_are_single(&scene.nodes)));
-        CpuScene { threads: Arc::clone(&cpu.threads), scene, shapes, leaves_are_single, lanes: cpu.lanes }
+        CpuScene {
+            threads: Arc::clone(&cpu.threads),
+            header: scene.header,
+            scene,
+            shapes,
+            leaves_are_single,
+            lanes: cpu.lanes,
+        }
     }
 
     /// Whether the path tracer for plain scenes suffices.
@@ -160,7 +176,7 @@ impl CpuScene {
     }
 
     fn slices<const FEATURES: u32>(&self) -> Slices<'_, FEATURES> {
-        Slices::new(&self.scene, &self.shapes, self.leaves_are_single)
+        Slices::new(&self.scene, &self.header, &self.shapes, self.leaves_are_single)
     }
 
     /// Calls `work` for every pixel, tiles spread over the threads; it returns the number of samples that it took.

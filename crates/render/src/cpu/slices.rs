@@ -15,6 +15,8 @@ pub(super) const PLAIN_FEATURES: u32 = ALL_FEATURES
 #[derive(Clone, Copy)]
 pub(crate) struct Slices<'a, const FEATURES: u32> {
     scene: &'a CompiledScene,
+    /// That of the scene, or one with another camera.
+    header: &'a SceneHeader,
     /// What of the objects rays are tested with, or nothing.
     shapes: &'a [ShapeLine],
     /// See `leaves_are_single`.
@@ -41,8 +43,13 @@ pub(super) fn leaves_are_single(nodes: &[BvhNode]) -> bool {
 }
 
 impl<'a, const FEATURES: u32> Slices<'a, FEATURES> {
-    pub(super) fn new(scene: &'a CompiledScene, shapes: &'a [ShapeLine], leaves_are_single: bool) -> Self {
-        Slices { scene, shapes, leaves_are_single }
+    pub(super) fn new(
+        scene: &'a CompiledScene,
+        header: &'a SceneHeader,
+        shapes: &'a [ShapeLine],
+        leaves_are_single: bool,
+    ) -> Self {
+        Slices { scene, header, shapes, leaves_are_single }
     }
 
     /// Whether all leaves of the hierarchies hold one object, those of a node in the order of its children.
@@ -61,7 +68,12 @@ impl<'a, const FEATURES: u32> Slices<'a, FEATURES> {
 impl<'a> Slices<'a, ALL_FEATURES> {
     /// A view that needs no preparation, for a few rays.
     pub(crate) fn of(scene: &'a CompiledScene) -> Self {
-        Slices { scene, shapes: &[], leaves_are_single: false }
+        Self::through(scene, &scene.header)
+    }
+
+    /// As [`Slices::of`], through another camera.
+    pub(crate) fn through(scene: &'a CompiledScene, header: &'a SceneHeader) -> Self {
+        Slices { scene, header, shapes: &[], leaves_are_single: false }
     }
 }
 
@@ -71,7 +83,7 @@ impl<const FEATURES: u32> SceneAccess for Slices<'_, FEATURES> {
         FEATURES & !FEATURE_MANY_NODES
     }
     fn header(scene: Self) -> SceneHeader {
-        scene.scene.header
+        *scene.header
     }
     #[inline]
     fn node(scene: Self, index: u32) -> BvhNode {

@@ -2,7 +2,7 @@
 
 use super::tile::TileRenderer;
 use super::{Gpu, Program};
-use crate::{Batch, CompiledScene, DeviceError, LoadedScene, Progress, RenderSettings, Renderer};
+use crate::{Batch, CompiledScene, DeviceError, LoadedScene, Progress, RenderSettings, Renderer, View};
 use kernels::records::kernel::{FilmPixel, LayerPixel, launched_samples};
 use std::sync::Arc;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
@@ -39,7 +39,7 @@ impl GpuScene {
         let header = gpu.device.create_buffer_init(&BufferInitDescriptor {
             label: Some("scene header"),
             contents: bytemuck::bytes_of(&scene.header),
-            usage: wgpu::BufferUsages::UNIFORM,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         });
         fn bytes<T: bytemuck::Pod>(records: &[T]) -> (&[u8], usize) {
             (bytemuck::cast_slice(records), size_of::<T>())
@@ -64,6 +64,11 @@ impl GpuScene {
 }
 
 impl LoadedScene for GpuScene {
+    fn set_view(&mut self, view: &View) -> Result<(), DeviceError> {
+        self.gpu.queue.write_buffer(&self.tables[0], 0, bytemuck::bytes_of(&view.header));
+        self.gpu.check("changing the camera")
+    }
+
     fn prepare(&self, renderer: Renderer) -> Result<(), DeviceError> {
         self.gpu.pipeline(Program::samples(renderer, self.features)).map(|_| ())
     }

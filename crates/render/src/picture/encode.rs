@@ -40,14 +40,17 @@ pub(super) fn png(
     }
     let mut writer = encoder.write_header()?;
     let mut stream = writer.stream_writer()?;
-    produce(&mut |radiance| {
-        let encoded = tone_map(radiance.into(), exposure).to_array();
-        // The conversion saturates, and takes NaN to 0.
-        stream.write_all(&encoded.map(|value| (value * 255.0).round() as u8))
-    })?;
+    produce(&mut |radiance| stream.write_all(&shown_colour(radiance, exposure)))?;
     stream.finish()?;
     writer.finish()?;
     Ok(())
+}
+
+/// The 8-bit sRGB colour of a radiance in W/(m² sr), brightened by `exposure` stops, as PNGs have it.
+pub fn shown_colour(radiance: [f32; 3], exposure: f32) -> [u8; 3] {
+    let encoded = tone_map(radiance.into(), exposure).to_array();
+    // The conversion saturates, and takes NaN to 0.
+    encoded.map(|value| (value * 255.0).round() as u8)
 }
 
 /// Shows the radiance of a band's pixels.

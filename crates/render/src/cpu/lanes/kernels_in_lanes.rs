@@ -72,6 +72,7 @@ macro_rules! kernels_in_lanes {
         use crate::cpu::slices::{PLAIN_FEATURES, Slices};
         #[allow(unused_imports)]
         use ::kernels::records::kernel::{ALL_FEATURES, FilmPixel, LaunchSettings};
+        use ::kernels::records::kernel::SceneAccess;
         use bytemuck::cast_slice;
         use lanes::{Table, V3};
         use std::cell::RefCell;
@@ -117,7 +118,7 @@ macro_rules! kernels_in_lanes {
             pixels: &mut [FilmPixel],
         ) {
             let scene = slices.scene();
-            let (header, launch) = ([scene.header], [launch]);
+            let (header, launch) = ([SceneAccess::header(slices)], [launch]);
             let settings = kernel::read_SETTINGS(Table::new(cast_slice(&launch)));
             let globals = kernel::Globals {
                 host: Host { slices, workspace },

@@ -1,0 +1,79 @@
+//! What lies over the picture: messages, the list of keys, and a word where there is no picture yet.
+
+use crate::actions::{Action, KEYS};
+use crate::session::Session;
+use crate::style::{ACCENT, DIM, ERROR};
+use egui::{Align2, Area, Color32, Frame, Grid, Id, Label, Rect, RichText, Ui, Vec2};
+
+/// Draws it over the picture's part of the window.
+pub fn overlay(ui: &Ui, session: &mut Session, picture: Rect, time: f64) -> Vec<Action> {
+    let mut actions = Vec::new();
+    if session.frame.is_none() {
+        let text = if session.scene.is_some() { "rendering ..." } else { "reading the scene ..." };
+        let painter = ui.painter();
+        painter.text(picture.center(), Align2::CENTER_CENTER, text, egui::FontId::proportional(18.0), DIM);
+    }
+    messages(ui, session, picture, time);
+    if session.has_help && help(ui, picture) {
+        actions.push(Action::ToggleHelp);
+    }
+    if !session.has_help {
+        let painter = ui.painter();
+        let at = picture.right_bottom() - Vec2::new(10.0, 8.0);
+        let faint = Color32::from_white_alpha(110);
+        painter.text(at, Align2::RIGHT_BOTTOM, "F1  keys", egui::FontId::proportional(12.0), faint);
+    }
+    actions
+}
+
+fn messages(ui: &Ui, session: &mut Session, picture: Rect, time: f64) {
+    let shown = session.messages.shown(time).to_vec();
+    if shown.is_empty() {
+        return;
+    }
+    let mut closed = None;
+    Area::new(Id::unique("messages"))
+        .fixed_pos(picture.left_bottom() + Vec2::new(12.0, -12.0))
+        .pivot(Align2::LEFT_BOTTOM)
+        .show(ui.ctx(), |ui| {
+            ui.set_max_width((picture.width() - 24.0).clamp(120.0, 640.0));
+            for message in &shown {
+                let fill = if message.is_error { ERROR } else { Color32::from_black_alpha(190) };
+                Frame::new().fill(fill).inner_margin(8.0).corner_radius(4.0).show(ui, |ui| {
+                    ui.horizontal(|ui| {
+                        ui.add(Label::new(RichText::new(&message.text).color(Color32::WHITE)).wrap());
+                        if message.is_error && ui.small_button("x").clicked() {
+                            closed = Some(message.text.clone());
+                        }
+                    });
+                });
+            }
+        });
+    if let Some(text) = closed {
+        session.messages.close(&text);
+    }
+}
+
+/// The list of keys; `true` to close it.
+fn help(ui: &Ui, picture: Rect) -> bool {
+    let mut is_closed = false;
+    Area::new(Id::unique("keys")).fixed_pos(picture.center()).pivot(Align2::CENTER_CENTER).show(
+        ui.ctx(),
+        |ui| {
+            Frame::new().fill(Color32::from_black_alpha(225)).inner_margin(16.0).corner_radius(6.0).show(
+                ui,
+                |ui| {
+                    Grid::new("list of keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
+                        for (key, meaning) in KEYS {
+                            ui.label(RichText::new(key).color(ACCENT));
+                            ui.label(RichText::new(meaning).color(Color32::WHITE));
+                            ui.end_row();
+                        }
+                    });
+                    is_closed = ui.button("close").clicked();
+                },
+            );
+        },
+    );
+    is_closed
+}

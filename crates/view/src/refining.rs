@@ -1,0 +1,250 @@
+//! The thread that renders: coarse while the camera moves, then sharp, then cleaner and cleaner.
+
+use crate::desk::{Delivery, Desk, News, Request};
+use crate::events::{Event, Frame, Report, explained};
+use crate::schedule::{Pass, Schedule};
+use crate::shown::{film_image, layer_image};
+use bytemuck::Zeroable;
+use kernels::records::kernel::LayerPixel;
+use render::{
+    Batch, ControlFlow, Device, DeviceError, Film, RenderSettings, automatic_exposure, relative_noise,
+};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Samples after which layers are smooth.
+const LAYER_SAMPLES: u32 = 16;
+/// Time between two looks at the noise, which is to cost little.
+const NOISE_PAUSE: Duration = Duration::from_secs(1);
+
+/// Opens the device that stands in for one that fails.
+pub type OpenProcessor = Box<dyn Fn() -> Result<Box<dyn Device>, DeviceError> + Send>;
+
+/// What the thread knows.
+pub struct Refiner {
+    desk: Arc<Desk>,
+    report: Report,
+    open_processor: OpenProcessor,
+    scene: Option<Delivery>,
+    request: Option<Request>,
+    schedule: Schedule,
+    film: Film,
+    layers: Vec<LayerPixel>,
+    /// Time that the picture took, that of its sharp passes, and the noise with the time when it was looked at.
+    seconds: f64,
+    sharp_seconds: f64,
+    noise: Option<(f64, Instant)>,
+    /// The last automatic exposure; a picture in motion does not flicker.
+    exposure: Option<f32>,
+    /// The last pass that was made.
+    last: Option<Pass>,
+}
+
+impl Refiner {
+    /// Begins with an empty desk.
+    pub fn new(desk: Arc<Desk>, report: Report, open_processor: OpenProcessor) -> Self {
+        Refiner {
+            desk,
+            report,
+            open_processor,
+            scene: None,
+            request: None,
+            schedule: Schedule::default(),
+            film: Film::new(0, 0),
+            layers: Vec::new(),
+            seconds: 0.0,
+            sharp_seconds: 0.0,
+            noise: None,
+            exposure: None,
+            last: None,
+        }
+    }
+
+    /// Works until the desk says that it is over.
+    pub fn run(mut self) {
+        loop {
+            let News { request, delivery, is_over } = self.desk.take(self.next_pass().is_some());
+            if is_over {
+                return;
+            }
+            let is_delivered = delivery.is_some();
+            if let Some(delivery) = delivery {
+                self.scene = Some(delivery);
+                self.schedule.forget_rate();
+                self.restart();
+            }
+            if let Some(request) = request {
+                self.turn_to(request, is_delivered);
+            } else if is_delivered {
+                self.look();
+            }
+            if let Some(pass) = self.next_pass() {
+                self.make(pass);
+            }
+        }
+    }
+
+    fn turn_to(&mut self, request: Request, is_delivered: bool) {
+        let old = self.request.replace(request);
+        let (Some(new), old) = (&self.request, &old) else { return };
+        let moved = old.as_ref().is_none_or(|old| old.camera != new.camera);
+        let is_same_film = old.as_ref().is_some_and(|old| old.shares_film(new));
+        let is_other_look =
+            old.as_ref().is_some_and(|old| old.shown != new.shown || old.exposure != new.exposure);
+        let other_renderer = old.as_ref().is_some_and(|old| old.settings.renderer != new.settings.renderer);
+        if other_renderer {
+            self.schedule.forget_rate();
+        }
+        if !is_same_film {
+            self.restart();
+        } else if is_other_look && self.last.is_some() {
+            self.publish();
+        }
+        if moved || is_delivered {
+            self.look();
+        }
+    }
+
+    /// Turns the camera of the scene.
+    fn look(&mut self) {
+        let (Some(scene), Some(request)) = (&mut self.scene, &self.request) else { return };
+        let turned = scene.compiled.view(&request.camera).map_err(|error| explained(&error));
+        let set = turned.and_then(|view| scene.loaded.set_view(&view).map_err(|error| explained(&error)));
+        if let Err(reason) = set {
+            (self.report)(Event::Refused(reason));
+        }
+    }
+
+    fn restart(&mut self) {
+        self.schedule.restart();
+        self.seconds = 0.0;
+        self.sharp_seconds = 0.0;
+        self.noise = None;
+        self.last = None;
+    }
+
+    /// What there is to do.
+    fn next_pass(&self) -> Option<Pass> {
+        let request = self.request.as_ref().filter(|request| !request.is_hidden)?;
+        self.scene.as_ref()?;
+        let pixels = u64::from(request.settings.width) * u64::from(request.settings.height);
+        self.schedule.next(pixels, most_samples(request), request.is_moving)
+    }
+
+    fn make(&mut self, pass: Pass) {
+        let (Some(scene), Some(request)) = (&self.scene, &self.request) else { return };
+        let settings = RenderSettings {
+            width: request.settings.width.div_ceil(pass.divisor),
+            height: request.settings.height.div_ceil(pass.divisor),
+            crop: None,
+            ..request.settings.clone()
+        };
+        let batch =
+            Batch { first_sample: pass.first_sample, samples: pass.samples, ..Batch::whole(&settings) };
+        let before = self.desk.interruptions();
+        // Coarse passes are short, and without any of them a camera that moves on and on would show nothing.
+        let can_wait = pass.divisor == 1 || pass.first_sample > 0;
+        let still = |_| match can_wait && self.desk.interruptions() != before || self.desk.is_over() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let count = settings.width as usize * settings.height as usize;
+        let start = Instant::now();
+        let made = if request.shown.is_layer() {
+            if pass.first_sample == 0 {
+                self.layers.clear();
+                self.layers.resize(count, LayerPixel::zeroed());
+            }
+            scene.loaded.add_layers(&settings, &batch, &mut self.layers, &still)
+        } else {
+            if pass.first_sample == 0 {
+                self.film = Film::new(settings.width, settings.height);
+            }
+            scene.loaded.add_samples(&settings, &batch, &mut self.film.pixels, &still)
+        };
+        let seconds = start.elapsed().as_secs_f64();
+        let whole = u64::from(request.settings.width) * u64::from(request.settings.height);
+        match made {
+            Ok(()) => {
+                self.schedule.made(pass, whole, seconds);
+                self.seconds += seconds;
+                if pass.divisor == 1 {
+                    self.sharp_seconds += seconds;
+                }
+                self.last = Some(pass);
+                self.publish();
+            }
+            // What was begun is of no use to anybody.
+            Err(DeviceError::Cancelled) => self.restart(),
+            Err(error) => self.fall_back(&error),
+        }
+    }
+
+    /// Shows what there is.
+    fn publish(&mut self) {
+        let (Some(request), Some(pass)) = (&self.request, self.last) else { return };
+        let samples = pass.first_sample + pass.samples;
+        let most_samples = most_samples(request);
+        let is_done = pass.divisor == 1 && samples >= most_samples;
+        let mut exposure = 0.0;
+        let image = if request.shown.is_layer() {
+            layer_image(&self.layers, request.settings.width.div_ceil(pass.divisor) as usize, request.shown)
+        } else {
+            exposure = match (request.exposure, self.exposure) {
+                (Some(stops), _) => stops,
+                (None, Some(stops)) if request.is_moving => stops,
+                (None, _) => *self.exposure.insert(automatic_exposure(&self.film)),
+            };
+            let is_due = self.noise.is_none_or(|(_, when)| when.elapsed() >= NOISE_PAUSE);
+            if pass.divisor == 1 && samples >= 4 && (is_due || is_done) {
+                self.noise = Some((relative_noise(&self.film), Instant::now()));
+            }
+            film_image(&self.film, exposure, request.shown)
+        };
+        let spent = if pass.divisor == 1 { self.sharp_seconds } else { self.seconds };
+        let rays = if request.shown.is_layer() { 0 } else { self.film.rays() };
+        (self.report)(Event::Frame(Box::new(Frame {
+            image,
+            is_sharp: pass.divisor == 1,
+            is_done,
+            samples,
+            most_samples,
+            seconds: self.seconds,
+            rays_per_second: rays as f64 / spent.max(1e-6),
+            noise: self.noise.map(|(noise, _)| noise).filter(|noise| noise.is_finite()),
+            exposure,
+        })));
+    }
+
+    /// Goes on with the processor, and says why.
+    fn fall_back(&mut self, error: &DeviceError) {
+        self.restart();
+        let Some(lost) = self.scene.take() else { return };
+        let reason = explained(error);
+        if lost.is_processor {
+            (self.report)(Event::Refused(reason));
+            return;
+        }
+        (self.report)(Event::DeviceFailed(reason));
+        let opened = (self.open_processor)().and_then(|device| {
+            let loaded = device.load(Arc::clone(&lost.compiled))?;
+            Ok(Delivery { loaded, compiled: lost.compiled, device: device.name(), is_processor: true })
+        });
+        match opened {
+            Ok(delivery) => {
+                (self.report)(Event::DeviceReady { name: delivery.device.clone(), stands_in: false });
+                self.scene = Some(delivery);
+                self.schedule.forget_rate();
+                self.look();
+            }
+            Err(error) => (self.report)(Event::Refused(explained(&error))),
+        }
+    }
+}
+
+fn most_samples(request: &Request) -> u32 {
+    match request.shown.is_layer() {
+        true => request.settings.samples.min(LAYER_SAMPLES),
+        false => request.settings.samples,
+    }
+}
