@@ -1,7 +1,7 @@
 //! What lies over the picture: messages, the list of keys, and a word where there is no picture yet.
 
 use crate::actions::{Action, KEYS};
-use crate::session::Session;
+use crate::session::{PickedObject, Session};
 use crate::style::{ACCENT, DIM, ERROR};
 use egui::{Align2, Area, Color32, Frame, Grid, Id, Label, Rect, RichText, Ui, Vec2};
 
@@ -14,6 +14,7 @@ pub fn overlay(ui: &Ui, session: &mut Session, picture: Rect, time: f64) -> Vec<
         painter.text(picture.center(), Align2::CENTER_CENTER, text, egui::FontId::proportional(18.0), DIM);
     }
     messages(ui, session, picture, time);
+    picked(ui, session, picture);
     if session.has_help && help(ui, picture) {
         actions.push(Action::ToggleHelp);
     }
@@ -52,6 +53,44 @@ fn messages(ui: &Ui, session: &mut Session, picture: Rect, time: f64) {
     if let Some(text) = closed {
         session.messages.close(&text);
     }
+}
+
+/// What was picked.
+fn picked(ui: &Ui, session: &Session, picture: Rect) {
+    let Some(PickedObject { what, material }) = &session.picked else { return };
+    Area::new(Id::unique("picked")).fixed_pos(picture.left_top() + Vec2::new(12.0, 12.0)).show(
+        ui.ctx(),
+        |ui| {
+            Frame::new().fill(Color32::from_black_alpha(200)).inner_margin(10.0).corner_radius(5.0).show(
+                ui,
+                |ui| {
+                    let (package, class) = what.type_name.rsplit_once('.').unwrap_or(("", &what.type_name));
+                    ui.label(RichText::new(class).size(16.0).strong().color(ACCENT));
+                    if !package.is_empty() {
+                        ui.label(RichText::new(package).small().color(DIM));
+                    }
+                    ui.add_space(4.0);
+                    Grid::new("picked").num_columns(2).spacing([12.0, 3.0]).show(ui, |ui| {
+                        let mut row = |name: &str, value: String| {
+                            ui.label(RichText::new(name).color(DIM));
+                            ui.label(RichText::new(value).color(Color32::WHITE));
+                            ui.end_row();
+                        };
+                        row("node", what.origin.node.to_string());
+                        if let Some((instance, name)) = &what.instance {
+                            row("part of", format!("{name} (node {})", instance.node));
+                        }
+                        row("material", material.clone());
+                        let [x, y, z] = what.position.to_array();
+                        row("position", format!("{x:.3}, {y:.3}, {z:.3} m"));
+                        let [x, y, z] = what.normal.to_array();
+                        row("normal", format!("{x:.2}, {y:.2}, {z:.2}"));
+                        row("distance", format!("{:.3} m", what.distance));
+                    });
+                },
+            );
+        },
+    );
 }
 
 /// The list of keys; `true` to close it.

@@ -2,17 +2,17 @@
 
 use crate::actions::Action;
 use crate::command_line::{device_name, filter_name, sampler_name};
-use crate::session::{PickedObject, Session};
+use crate::session::Session;
 use crate::settings::LONGEST_EDGE;
 use crate::shown::Shown;
 use crate::sight_line::Extent;
-use crate::style::{ACCENT, DIM, WARNING};
+use crate::style::{DIM, WARNING};
 use egui::{
-    Align, Button, Checkbox, CollapsingHeader, ComboBox, DragValue, Grid, Label, Layout, ProgressBar,
-    RichText, Slider, TextEdit, Ui,
+    Align, Button, Checkbox, CollapsingHeader, ComboBox, DragValue, Frame, Grid, Label, Layout, Panel,
+    ProgressBar, RichText, ScrollArea, Slider, TextEdit, Ui,
 };
 use render::{DeviceChoice, Filter, Renderer, Sampler};
-use scene::SunPosition;
+use scene::{Sky, SunPosition};
 
 /// Width of the column of names in points.
 const NAMES: f32 = 104.0;
@@ -20,20 +20,21 @@ const NAMES: f32 = 104.0;
 /// Draws the panel; returns what the user wants.
 pub fn panel(ui: &mut Ui, session: &mut Session, time: f64) -> Vec<Action> {
     let mut actions = Vec::new();
+    // Saving and the command line are always in reach, however long the rest is.
+    Panel::bottom("save").resizable(false).frame(Frame::new()).show(ui, |ui| {
+        save(ui, session, &mut actions);
+        ui.add_space(10.0);
+    });
     header(ui, session);
     ui.add_space(6.0);
-    egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        shown(ui, session);
+    shown(ui, session);
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         section(ui, "Picture", true, |ui| picture_settings(ui, session));
-        if let Some(daylight) = session.scene.as_ref().and_then(|scene| scene.scene.sky.as_ref()?.daylight())
-        {
+        let sky = session.scene.as_ref().and_then(|scene| scene.scene.sky.as_ref());
+        if let Some(daylight) = sky.and_then(Sky::daylight) {
             section(ui, "Daylight", true, |ui| daylight_settings(ui, session, daylight));
         }
         section(ui, "Camera", true, |ui| camera(ui, session, &mut actions, time));
-        if session.picked.is_some() {
-            section(ui, "Picked", true, |ui| picked(ui, session, &mut actions));
-        }
-        section(ui, "Save", true, |ui| save(ui, session, &mut actions));
         remarks(ui, session);
         ui.add_space(8.0);
     });
@@ -92,7 +93,8 @@ fn header(ui: &mut Ui, session: &Session) {
 
 fn shown(ui: &mut Ui, session: &mut Session) {
     ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 2.0;
+        ui.spacing_mut().item_spacing.x = 1.0;
+        ui.spacing_mut().button_padding.x = 5.0;
         for shown in Shown::ALL {
             ui.selectable_value(&mut session.shown, shown, shown.name()).on_hover_text(shown.explanation());
         }
@@ -296,34 +298,8 @@ fn camera(ui: &mut Ui, session: &mut Session, actions: &mut Vec<Action>, time: f
     }
 }
 
-fn picked(ui: &mut Ui, session: &Session, actions: &mut Vec<Action>) {
-    let Some(PickedObject { what, material }) = &session.picked else { return };
-    grid(ui, "picked", |ui| {
-        let mut row = |name: &str, value: String| {
-            ui.label(name);
-            ui.add(Label::new(RichText::new(value).color(ACCENT)).wrap());
-            ui.end_row();
-        };
-        row("type", what.type_name.clone());
-        row("node", what.origin.node.to_string());
-        if let Some((instance, name)) = &what.instance {
-            row("part of", format!("{name} (node {})", instance.node));
-        }
-        row("material", material.clone());
-        let [x, y, z] = what.position.to_array();
-        row("position", format!("{x:.4}, {y:.4}, {z:.4}"));
-        let [x, y, z] = what.normal.to_array();
-        row("normal", format!("{x:.3}, {y:.3}, {z:.3}"));
-        row("distance", format!("{:.4} m", what.distance));
-    });
-    ui.horizontal(|ui| {
-        if ui.button("close").on_hover_text("Esc").clicked() {
-            actions.push(Action::Unpick);
-        }
-    });
-}
-
 fn save(ui: &mut Ui, session: &mut Session, actions: &mut Vec<Action>) {
+    ui.add_space(8.0);
     grid(ui, "save", |ui| {
         ui.label("size").on_hover_text("Width and height of the saved picture in pixels");
         ui.horizontal(|ui| {
@@ -369,12 +345,9 @@ fn save(ui: &mut Ui, session: &mut Session, actions: &mut Vec<Action>) {
         });
     });
     let text = RichText::new(session.command_line()).monospace().size(11.0);
-    egui::Frame::new().fill(ui.visuals().extreme_bg_color).inner_margin(6.0).corner_radius(3.0).show(
-        ui,
-        |ui| {
-            ui.add(Label::new(text).wrap().selectable(true));
-        },
-    );
+    Frame::new().fill(ui.visuals().extreme_bg_color).inner_margin(6.0).corner_radius(3.0).show(ui, |ui| {
+        ui.add(Label::new(text).wrap().selectable(true));
+    });
 }
 
 /// What the reader left out or was unsure of.

@@ -248,3 +248,181 @@ fn most_samples(request: &Request) -> u32 {
         false => request.settings.samples,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shown::Shown;
+    use kernels::records::kernel::FilmPixel;
+    use render::{CompiledScene, LoadedScene, Progress, View, compile};
+    use scene::{Camera, Scene};
+    use std::sync::mpsc::{Receiver, channel};
+
+    /// A device that makes grey pictures, or fails after some passes.
+    struct Grey {
+        passes_until_lost: Option<usize>,
+    }
+
+    struct GreyScene {
+        passes_until_lost: Option<usize>,
+        passes: std::sync::Mutex<usize>,
+    }
+
+    impl Device for Grey {
+        fn name(&self) -> String {
+            if self.passes_until_lost.is_some() { "card".to_owned() } else { "processor".to_owned() }
+        }
+
+        fn load(&self, _: Arc<CompiledScene>) -> Result<Box<dyn LoadedScene>, DeviceError> {
+            let passes_until_lost = self.passes_until_lost;
+            Ok(Box::new(GreyScene { passes_until_lost, passes: Default::default() }))
+        }
+    }
+
+    impl LoadedScene for GreyScene {
+        fn set_view(&mut self, _: &View) -> Result<(), DeviceError> {
+            Ok(())
+        }
+
+        fn add_samples(
+            &self,
+            _: &RenderSettings,
+            batch: &Batch,
+            pixels: &mut [FilmPixel],
+            progress: &Progress<'_>,
+        ) -> Result<(), DeviceError> {
+            let mut passes = self.passes.lock().unwrap();
+            *passes += 1;
+            if self.passes_until_lost.is_some_and(|most| *passes > most) {
+                let reason = "the device was lost".to_owned();
+                return Err(DeviceError::Gpu { device: "card".to_owned(), doing: "rendering", reason });
+            }
+            for pixel in pixels {
+                pixel.samples += batch.samples;
+                pixel.rays += 2 * batch.samples;
+                pixel.radiance = [pixel.samples as f32; 3].into();
+                pixel.squares = pixel.radiance;
+            }
+            match progress(1) {
+                ControlFlow::Continue(()) => Ok(()),
+                ControlFlow::Break(()) => Err(DeviceError::Cancelled),
+            }
+        }
+
+        fn add_layers(
+            &self,
+            _: &RenderSettings,
+            batch: &Batch,
+            pixels: &mut [LayerPixel],
+            _: &Progress<'_>,
+        ) -> Result<(), DeviceError> {
+            pixels.iter_mut().for_each(|pixel| pixel.samples += batch.samples);
+            Ok(())
+        }
+    }
+
+    struct Thread {
+        desk: Arc<Desk>,
+        events: Receiver<Event>,
+        running: Option<std::thread::JoinHandle<()>>,
+    }
+
+    impl Thread {
+        fn start() -> Self {
+            let desk = Arc::new(Desk::default());
+            let (sender, events) = channel();
+            let report: Report = Arc::new(move |event| sender.send(event).unwrap());
+            let open = Box::new(|| Ok(Box::new(Grey { passes_until_lost: None }) as Box<dyn Device>));
+            let refiner = Refiner::new(Arc::clone(&desk), report, open);
+            let running = Some(std::thread::spawn(move || refiner.run()));
+            Thread { desk, events, running }
+        }
+
+        fn deliver(&self, device: &Grey) {
+            let compiled = Arc::new(compile(&Scene::default()).unwrap());
+            let loaded = device.load(Arc::clone(&compiled)).unwrap();
+            let is_processor = device.passes_until_lost.is_none();
+            self.desk.deliver(Delivery { loaded, compiled, device: device.name(), is_processor });
+        }
+
+        fn next(&self) -> Event {
+            self.events.recv_timeout(Duration::from_secs(60)).unwrap()
+        }
+
+        /// Waits for a finished picture; returns the events before it in words, and it.
+        fn finished(&self) -> (Vec<String>, Box<Frame>) {
+            let mut others = Vec::new();
+            loop {
+                match self.next() {
+                    Event::Frame(frame) if frame.is_done => return (others, frame),
+                    Event::Frame(_) => {}
+                    Event::DeviceFailed(reason) | Event::Refused(reason) => others.push(reason),
+                    Event::DeviceReady { name, .. } => others.push(name),
+                    _ => others.push("something else".to_owned()),
+                }
+            }
+        }
+    }
+
+    impl Drop for Thread {
+        fn drop(&mut self) {
+            self.desk.end();
+            self.running.take().unwrap().join().unwrap();
+        }
+    }
+
+    fn request() -> Request {
+        Request {
+            camera: Camera::default(),
+            settings: RenderSettings { width: 32, height: 24, samples: 9, ..RenderSettings::default() },
+            shown: Shown::Picture,
+            exposure: Some(0.0),
+            is_moving: false,
+            is_hidden: false,
+        }
+    }
+
+    #[test]
+    fn a_picture_gets_all_its_samples_once_and_then_there_is_silence() {
+        let thread = Thread::start();
+        thread.desk.ask(request());
+        thread.deliver(&Grey { passes_until_lost: None });
+        let (others, frame) = thread.finished();
+        assert!(others.is_empty() && frame.is_sharp, "{others:?}");
+        assert_eq!((frame.samples, frame.image.width, frame.image.height), (9, 32, 24));
+        assert!(frame.image.pixels.iter().all(|&pixel| pixel == 0x00ff_ffff));
+        assert!(thread.events.recv_timeout(Duration::from_millis(100)).is_err());
+        // Another brightness and another look need no new samples; another size does.
+        thread.desk.ask(Request { exposure: Some(-1.0), ..request() });
+        assert_eq!(thread.finished().1.image.pixels[0], 0x00bc_bcbc);
+        let settings = RenderSettings { width: 16, ..request().settings };
+        thread.desk.ask(Request { settings, ..request() });
+        assert_eq!(thread.finished().1.image.width, 16);
+        thread.desk.ask(Request { shown: Shown::Normal, ..request() });
+        assert_eq!(thread.finished().1.image.width, 32);
+    }
+
+    #[test]
+    fn a_moving_picture_waits_for_the_camera_and_a_hidden_one_for_eyes() {
+        let thread = Thread::start();
+        thread.desk.ask(Request { is_hidden: true, ..request() });
+        thread.deliver(&Grey { passes_until_lost: None });
+        assert!(thread.events.recv_timeout(Duration::from_millis(100)).is_err());
+        thread.desk.ask(Request { is_moving: true, ..request() });
+        assert!(matches!(thread.next(), Event::Frame(frame) if !frame.is_done));
+        assert!(thread.events.recv_timeout(Duration::from_millis(100)).is_err());
+        thread.desk.ask(request());
+        thread.finished();
+    }
+
+    #[test]
+    fn the_processor_goes_on_when_a_card_is_lost() {
+        let thread = Thread::start();
+        thread.desk.ask(request());
+        thread.deliver(&Grey { passes_until_lost: Some(1) });
+        let (others, frame) = thread.finished();
+        assert_eq!(others.len(), 2, "{others:?}");
+        assert!(others[0].contains("the device was lost") && others[1] == "processor", "{others:?}");
+        assert_eq!(frame.samples, 9);
+    }
+}
