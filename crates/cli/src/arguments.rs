@@ -5,7 +5,8 @@ use crate::camera_arguments::CameraArguments;
 use crate::daylight_arguments::DaylightArguments;
 use crate::option_values::{
     NamedLimit, Pixel, SampleRange, Size, parse_acceleration, parse_background, parse_crop, parse_exposure,
-    parse_flatness, parse_limit, parse_noise, parse_sample_range, parse_time, picture_path, whole_number,
+    parse_flatness, parse_limit, parse_noise, parse_sample_range, parse_time, parse_visible_layers,
+    picture_path, visible_layers_text, whole_number,
 };
 use clap::{ArgAction, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use render::{
@@ -84,8 +85,13 @@ pub struct RenderArguments {
     /// GroIMP project: a .gsz file, or an unpacked project's folder, project.gs or graph.xml
     pub scene: PathBuf,
 
+    /// More projects, as the steps of a growth: every one becomes a numbered picture, all with the camera and the
+    /// exposure of the first
+    #[arg(value_name = "SCENE")]
+    pub more_scenes: Vec<PathBuf>,
+
     /// Picture to write: .png to look at, .exr to measure in [default: the scene's name with .png, in the
-    /// current folder]
+    /// current folder]. Of several pictures the names get numbers: plant-0001.png and so on
     #[arg(short, long, value_name = "FILE", value_parser = picture_path())]
     pub output: Option<PathBuf>,
 
@@ -195,6 +201,10 @@ pub struct RenderArguments {
     #[arg(long)]
     pub srgb_textures: bool,
 
+    /// Layers to draw, from 0 to 15 with commas between, instead of those of the saved view
+    #[arg(long, value_name = "N,N,...", value_parser = parse_visible_layers)]
+    pub visible_layers: Option<u16>,
+
     /// Largest distance in metres between curved surfaces (splines, supershapes, height fields) and the triangles
     /// that are drawn for them [default: 1/2000 of the surface's size]
     #[arg(long, value_name = "METRES", value_parser = parse_flatness)]
@@ -240,6 +250,10 @@ pub struct RenderArguments {
     #[arg(short, long)]
     pub quiet: bool,
 
+    /// Make N pictures, with the camera going once round what it looks at, to the left
+    #[arg(long, value_name = "N", value_parser = whole_number(1..=100_000))]
+    pub turntable: Option<u32>,
+
     /// What changes the saved view.
     #[command(flatten)]
     pub camera: CameraArguments,
@@ -254,6 +268,7 @@ impl RenderArguments {
     pub fn read_options(&self) -> groimp::ReadOptions {
         groimp::ReadOptions {
             srgb_textures: self.srgb_textures,
+            visible_layers: self.visible_layers,
             flatness: self.flatness.map(groimp::Flatness::Metres).unwrap_or_default(),
             limits: self.limits.limits(),
         }
@@ -279,9 +294,14 @@ impl RenderArguments {
         }
     }
 
-    /// The options beside the renderer's settings that make the picture what it is, to be told in its file.
-    pub fn scene_options(&self) -> Vec<(String, String)> {
-        let mut options = self.camera.options();
+    /// The options beside the renderer's settings that make the picture what it is, to be told in its file; `camera`
+    /// is what changes the saved view.
+    pub fn scene_options(&self, camera: &CameraArguments) -> Vec<(String, String)> {
+        let mut options = camera.options();
+        options.extend(self.daylight.options());
+        if let Some(layers) = self.visible_layers {
+            options.push(("visible-layers", visible_layers_text(layers)));
+        }
         if self.srgb_textures {
             options.push(("srgb-textures", String::new()));
         }
@@ -655,6 +675,14 @@ mod tests {
         assert_eq!(rule(&["--noise", "1%", "--samples", "100"]).most_samples, 100);
         assert_eq!(render(&["--adaptive"]).unwrap().sampling(), Sampling::Adaptive);
         assert!(render(&["--adaptive", "--time", "1m"]).is_err());
+    }
+
+    #[test]
+    fn layers_are_bits() {
+        assert_eq!(parse_visible_layers("0, 3,15"), Ok(0x8009));
+        for wrong in ["", "16", "-1", "1,,2", "x"] {
+            assert!(parse_visible_layers(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -41,21 +41,28 @@ pub struct CameraArguments {
 }
 
 impl CameraArguments {
+    /// What gives this camera, whatever the saved one is; `target` is a point that it looks at.
+    pub fn placing(camera: &Camera, target: DVec3) -> Self {
+        let world = camera.view_from_world.inverse();
+        let (fov, parallel) = match camera.projection {
+            Projection::Perspective { fov_x, .. } => (Some(fov_x.to_degrees()), None),
+            Projection::Parallel { width, .. } => (None, Some(width)),
+        };
+        CameraArguments {
+            camera_position: Some(world.translation),
+            camera_target: Some(target),
+            camera_up: Some(world.matrix3.y_axis),
+            fov,
+            parallel,
+            aperture: camera.lens.map(|lens| lens.radius),
+            focus: camera.lens.and_then(|lens| lens.focus),
+        }
+    }
+
     /// The options as they were given.
     #[cfg(feature = "view")]
     pub fn words(&self) -> Vec<String> {
-        let point = |point: DVec3| format!("{},{},{}", point.x, point.y, point.z);
-        let options = [
-            ("camera-position", self.camera_position.map(point)),
-            ("camera-target", self.camera_target.map(point)),
-            ("camera-up", self.camera_up.map(point)),
-            ("fov", self.fov.map(|degrees| degrees.to_string())),
-            ("parallel", self.parallel.map(|width| width.to_string())),
-            ("aperture", self.aperture.map(|radius| radius.to_string())),
-            ("focus", self.focus.map(|distance| distance.to_string())),
-        ];
-        let given = options.into_iter().filter_map(|(name, value)| Some([format!("--{name}"), value?]));
-        given.flatten().collect()
+        self.options().into_iter().flat_map(|(name, value)| [format!("--{name}"), value]).collect()
     }
 
     /// Changes the camera of a scene.
@@ -101,7 +108,7 @@ impl CameraArguments {
     }
 
     /// Where the camera will stand and at what it will look.
-    fn line_of_sight(&self, scene: &Scene) -> (DVec3, DVec3) {
+    pub fn line_of_sight(&self, scene: &Scene) -> (DVec3, DVec3) {
         let saved = scene.camera.view_from_world.inverse();
         let eye = saved.translation;
         let forward = -saved.matrix3.z_axis.normalize_or(DVec3::NEG_Z);

@@ -19,6 +19,13 @@ pub struct DaylightArguments {
 }
 
 impl DaylightArguments {
+    /// What is given, as options without dashes and their values.
+    pub fn options(&self) -> Vec<(&'static str, String)> {
+        let sun = self.sun.map(|sun| ("sun", format!("{},{}", sun.azimuth, sun.elevation)));
+        let turbidity = self.turbidity.map(|turbidity| ("turbidity", turbidity.to_string()));
+        sun.into_iter().chain(turbidity).collect()
+    }
+
     /// Changes a sky.
     ///
     /// # Errors

@@ -187,6 +187,21 @@ pub fn parse_sample_range(text: &str) -> Result<SampleRange, String> {
     Ok(first..end)
 }
 
+/// Layers of GroIMP, layer n as bit n.
+pub fn parse_visible_layers(text: &str) -> Result<u16, String> {
+    let layer = |number: &str| number.trim().parse::<u32>().ok().filter(|layer| *layer < u16::BITS);
+    let bits = text.split(',').map(|number| Some(1u16 << layer(number)?));
+    bits.reduce(|all, bit| Some(all? | bit?))
+        .flatten()
+        .ok_or_else(|| "expected numbers of layers from 0 to 15, for example 0,2,3".to_owned())
+}
+
+/// Layers of GroIMP as [`parse_visible_layers`] reads them.
+pub fn visible_layers_text(layers: u16) -> String {
+    let numbers = (0..u16::BITS).filter(|layer| layers >> layer & 1 != 0);
+    numbers.map(|layer| layer.to_string()).collect::<Vec<_>>().join(",")
+}
+
 /// Part of a picture.
 pub fn parse_crop(text: &str) -> Result<CropWindow, String> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();

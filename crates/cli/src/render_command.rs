@@ -3,166 +3,62 @@
 use crate::Answer;
 use crate::arguments::RenderArguments;
 use crate::checkpoints;
-use crate::denoising::Denoiser;
 use crate::failure::Failure;
-use crate::interruption::Interruption;
 use crate::option_values::{Pixel, Size};
 use crate::progress::Messages;
-use crate::rendering::{Follower, Plan, Rendered, render_film};
-use crate::statistics::{Seconds, Statistics, count_text, duration_text, timed};
-use render::{
-    BAND_BYTES, Band, BandStatistics, CompiledScene, DeviceError, Ending, Layers, LoadedScene, NoisyPicture,
-    Origins, PictureFormat, PictureTarget, Provenance, RenderError, RenderSettings, Renderer, Samples,
-};
-use std::cell::Cell;
+use crate::render_job::Job;
+use crate::rendering::Plan;
+use crate::sequence_command;
+use crate::statistics::{Statistics, count_text, duration_text};
+use render::{Ending, PictureFormat, ReadyDevice, RenderSettings, Renderer};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-/// Renders and writes the picture; returns the summary to print.
+/// Renders and writes the picture, or several; returns the summary to print.
 pub fn run(arguments: &RenderArguments) -> Result<Answer, Failure> {
-    let messages = Messages { quiet: arguments.quiet };
-    check_crop(&arguments.settings())?;
-    let plan = Plan::new(arguments)?;
-    let settings = &plan.settings;
+    if sequence_command::is_wanted(arguments) {
+        return sequence_command::run(arguments);
+    }
     let output = output(arguments);
-    // Before hours of work rather than after.
-    let format = output.as_deref().map(PictureFormat::from_path).transpose()?;
-    check_outputs(&[output.as_deref(), arguments.stats.as_deref(), checkpoints::path(arguments)])?;
+    let output = output.as_deref();
+    let mut job = Job::new(arguments, output)?;
+    check_outputs(&[output, arguments.stats.as_deref(), checkpoints::path(arguments)])?;
     checkpoints::check_path(arguments)?;
-
-    let mut layers = arguments.layers.clone().unwrap_or_default();
-    if !layers.is_empty() && format != Some(PictureFormat::Exr) {
-        return Err(Failure::Usage("--layers needs an .exr; no other file has a place for them".to_owned()));
-    }
-    if let Some(directory) = &arguments.dump_wgsl {
-        write_kernels(directory, messages)?;
-    }
-
-    let mut seconds = Seconds::default();
-    let threads = arguments.threads.map(|threads| threads as usize);
+    job.prepare()?;
     if let Some(pixel) = arguments.pixel {
-        return Ok(pixel_events(arguments, pixel, messages)?.into());
+        return Ok(pixel_events(arguments, pixel, job.messages)?.into());
     }
-    let denoiser = open_denoiser(arguments, settings, threads)?;
-    if let Some(denoiser) = &denoiser {
-        layers = layers.denoised_by(denoiser.to_string());
-    }
-    // A device that is not there is told before a large scene is read.
-    let device = timed(&mut seconds.open, || render::open_device(arguments.device, threads))?;
-    tracing::info!("opened {}", device.name());
-    let mut project =
-        timed(&mut seconds.read, || groimp::read_with(&arguments.scene, &arguments.read_options()))
-            .map_err(Failure::reading(&arguments.scene))?;
-    messages.report(&project.report);
-    arguments.camera.apply(&mut project.scene)?;
-    arguments.daylight.apply(&mut project.scene.sky)?;
-    let scene =
-        Arc::new(timed(&mut seconds.compile, || render::compile_with(&project.scene, arguments.accel))?);
-    tracing::info!(
-        objects = project.scene.drawn_objects(),
-        triangles = scene.triangles(),
-        "read the scene in {}, compiled it in {}",
-        duration_text(seconds.read),
-        duration_text(seconds.compile)
-    );
-    let render::ReadyDevice { device, scene: loaded } = timed(&mut seconds.upload, || {
-        render::load_for(device, arguments.device, threads, &scene, settings.renderer)
-    })?;
-    tracing::info!("{} is ready after {}", device.name(), duration_text(seconds.upload));
-    let mut provenance = provenance(arguments, &plan, &scene, device.kind());
-    tracing::debug!("scene hash {}", provenance.scene_hash);
+    let device = job.open()?;
+    let project = job.read(&arguments.scene)?;
+    let scene = job.compile(&project.scene)?;
+    let ReadyDevice { device, scene: loaded } = job.load(device, &scene)?;
+    let provenance = job.provenance(&arguments.scene, &arguments.camera, scene.hash(), device.kind());
+    let made = job.make(loaded.as_ref(), &scene, provenance, output, arguments.exposure)?;
 
-    let interruption = Interruption::listen().map_err(Failure::Signals)?;
-    let follower = Follower::new(&plan, interruption.clone(), messages);
-    let given_up = |failure: Failure| match failure {
-        Failure::Device(DeviceError::Cancelled)
-        | Failure::Render(RenderError::Device(DeviceError::Cancelled)) => {
-            Failure::Interrupted { exit_code: interruption.exit_code() }
-        }
-        other => other,
-    };
-    let kept = match plan.goal {
-        Some(goal) => Some(
-            render_film(arguments, &plan, goal, loaded.as_ref(), &provenance, &follower).map_err(given_up)?,
-        ),
-        None => None,
-    };
-    let ending = kept.as_ref().map_or(Ending::Complete, |rendered| rendered.ending);
-    seconds.render = kept.as_ref().map_or(0.0, |rendered| rendered.seconds);
-    provenance.samples = kept.as_ref().map_or(settings.samples, |rendered| rendered.samples);
-
-    let mut rendered = BandStatistics::default();
-    let mut stops = None;
-    if let Some(output) = &output {
-        let picture = Picture {
-            arguments,
-            settings,
-            output,
-            layers: &layers,
-            origins: &Origins::of(&scene),
-            provenance: &provenance,
-            denoiser: denoiser.as_ref(),
-        };
-        let update = |done| follower.update(done);
-        let kept = kept.as_ref();
-        let exposure = picture.write(loaded.as_ref(), kept, &update, &mut rendered, &mut seconds);
-        stops = Some(exposure.map_err(given_up)?);
-        if rendered.black && ending == Ending::Complete {
-            messages.line(
-                "warning: the picture is black: nothing that the camera sees is lit. `sunshine info` shows where the \
-                 camera and the objects are",
-            );
-        }
-    } else if let Some(Rendered { film, .. }) = &kept {
-        rendered.samples = film.samples();
-        rendered.rays = film.rays();
-    }
-    follower.finish(ending);
-
-    let mut statistics = Statistics::new(settings, &rendered);
-    statistics.denoiser = denoiser.map(|denoiser| denoiser.to_string());
+    let mut statistics = Statistics::new(&job.plan.settings, &made.rendered);
+    statistics.denoiser = job.denoiser.as_ref().map(ToString::to_string);
     statistics.device = device.name();
     statistics.objects = project.scene.drawn_objects();
     statistics.triangles = scene.triangles();
-    statistics.exposure = stops.filter(|_| format.is_some_and(PictureFormat::is_exposed));
-    statistics.seconds = seconds;
+    statistics.exposure = made.stops.filter(|_| job.format.is_some_and(PictureFormat::is_exposed));
+    statistics.seconds = job.seconds;
     if let Some(path) = &arguments.stats {
         statistics.write(path)?;
     }
     let mut text = String::new();
     if !arguments.quiet {
-        if let (Some(format), Some(stops)) = (format, stops) {
+        if let (Some(format), Some(stops)) = (job.format, made.stops) {
             text = format!("{}\n", Exposure::of(format, arguments.exposure, stops));
         }
-        let continued = kept.as_ref().map_or(0, |rendered| rendered.continued);
-        text += &summary(&statistics, continued);
-        if ending == Ending::Stopped {
-            text += &stopped(arguments, &plan, provenance.samples);
+        text += &summary(&statistics, made.continued);
+        if made.ending == Ending::Stopped {
+            text += &stopped(arguments, &job.plan, made.samples);
         }
-        for path in [checkpoints::path(arguments), output.as_deref()].into_iter().flatten() {
+        for path in [checkpoints::path(arguments), output].into_iter().flatten() {
             text += &format!("wrote {}\n", path.display());
         }
     }
-    let exit_code = if ending == Ending::Stopped { interruption.exit_code() } else { 0 };
-    Ok(Answer { text, exit_code })
-}
-
-/// What was asked for, to be told in files.
-fn provenance(arguments: &RenderArguments, plan: &Plan, scene: &CompiledScene, device: String) -> Provenance {
-    let mut settings = plan.settings.options();
-    if arguments.adaptive {
-        settings.push(("adaptive".to_owned(), String::new()));
-    }
-    settings.extend(arguments.scene_options());
-    Provenance {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        scene: scene_name(&arguments.scene).unwrap_or_default().to_string_lossy().into_owned(),
-        scene_hash: scene.hash(),
-        device,
-        samples: 0,
-        settings,
-    }
+    Ok(Answer { text, exit_code: job.exit_code(made.ending) })
 }
 
 /// How far it came, and how to go on.
@@ -176,100 +72,6 @@ fn stopped(arguments: &RenderArguments, plan: &Plan, samples: u32) -> String {
         None => "with --checkpoint FILE it could be continued".to_owned(),
     };
     format!("stopped after {samples}{planned} samples per pixel; {next}\n")
-}
-
-/// What is needed to write a picture.
-struct Picture<'a> {
-    arguments: &'a RenderArguments,
-    settings: &'a RenderSettings,
-    output: &'a Path,
-    layers: &'a Layers,
-    origins: &'a Origins,
-    provenance: &'a Provenance,
-    denoiser: Option<&'a Denoiser>,
-}
-
-impl Picture<'_> {
-    /// Writes the film, or what is rendered meanwhile; returns the exposure in stops.
-    fn write(
-        &self,
-        loaded: &dyn LoadedScene,
-        kept: Option<&Rendered>,
-        progress: &render::Progress<'_>,
-        rendered: &mut BandStatistics,
-        seconds: &mut Seconds,
-    ) -> Result<f32, Failure> {
-        let target = PictureTarget {
-            path: self.output,
-            width: self.settings.window().width,
-            height: self.settings.window().height,
-            exposure: self.arguments.exposure,
-            layers: self.layers,
-            origins: self.origins,
-            provenance: Some(self.provenance),
-        };
-        let samples = match kept {
-            Some(rendered) => Samples::Taken(&rendered.film),
-            None => self.arguments.sampling().into(),
-        };
-        // Of a film that is complete nothing more is to be told than that.
-        let update = |done| if kept.is_some() { render::ControlFlow::Continue(()) } else { progress(done) };
-        let (mut total, mut tracing) = (0.0, 0.0);
-        let stops = timed(&mut total, || {
-            render::stream_picture(&target, |sink| {
-                // Rows are written while others are still to be rendered.
-                let (mut producing, mut writing) = (0.0, 0.0);
-                let denoising = Cell::new(0.0);
-                *rendered = timed(&mut producing, || {
-                    let mut write = |band: &Band<'_>| {
-                        let mut step = 0.0;
-                        let result = timed(&mut step, || sink(band));
-                        writing += step;
-                        result
-                    };
-                    let Some(denoiser) = self.denoiser else {
-                        let traced = self.layers.are_traced();
-                        return render::render_bands(
-                            loaded,
-                            self.settings,
-                            samples,
-                            traced,
-                            BAND_BYTES,
-                            &update,
-                            &mut write,
-                        );
-                    };
-                    let denoise = |picture: &NoisyPicture| {
-                        let mut step = 0.0;
-                        let result = timed(&mut step, || denoiser.denoise(picture));
-                        denoising.set(step);
-                        result
-                    };
-                    render::render_denoised(loaded, self.settings, samples, &denoise, &update, &mut write)
-                })?;
-                seconds.denoise = denoising.get();
-                tracing = producing - writing - seconds.denoise;
-                Ok(())
-            })
-        })?;
-        seconds.render += tracing;
-        seconds.write = total - tracing - seconds.denoise;
-        Ok(stops)
-    }
-}
-
-/// The denoiser, if one is wanted; that there is none, or too little memory, is told before hours of work.
-fn open_denoiser(
-    arguments: &RenderArguments,
-    settings: &RenderSettings,
-    threads: Option<usize>,
-) -> Result<Option<Denoiser>, Failure> {
-    if !arguments.denoise {
-        return Ok(None);
-    }
-    let denoiser = Denoiser::open(threads)?;
-    render::check_denoised_size(settings)?;
-    Ok(Some(denoiser))
 }
 
 /// Tells what happens on the paths of a pixel.
@@ -296,7 +98,7 @@ fn pixel_events(arguments: &RenderArguments, pixel: Pixel, messages: Messages) -
 }
 
 /// Writes what graphics cards run.
-fn write_kernels(directory: &Path, messages: Messages) -> Result<(), Failure> {
+pub fn write_kernels(directory: &Path, messages: Messages) -> Result<(), Failure> {
     let not_writable = |path: &Path| {
         let path = path.to_owned();
         move |source| Failure::NotWritable { path, source }
@@ -366,7 +168,8 @@ fn summary(statistics: &Statistics, continued: u64) -> String {
     )
 }
 
-fn check_crop(settings: &RenderSettings) -> Result<(), Failure> {
+/// Refuses a part that is not in the picture.
+pub fn check_crop(settings: &RenderSettings) -> Result<(), Failure> {
     match settings.crop {
         Some(crop) if !crop.lies_in(settings.width, settings.height) => Err(Failure::Usage(format!(
             "--crop {},{},{},{} does not lie in the picture, which has {} x {} pixels",

@@ -20,13 +20,16 @@ pub struct ViewArguments {
 }
 
 /// Options of `sunshine render` that mean nothing in a window.
-const NOT_IN_A_WINDOW: [&str; 9] =
-    ["time", "noise", "adaptive", "denoise", "crop", "layers", "pixel", "dump_wgsl", "stats"];
+const NOT_IN_A_WINDOW: [&str; 10] =
+    ["time", "noise", "adaptive", "denoise", "crop", "layers", "pixel", "dump_wgsl", "stats", "turntable"];
 
 /// Leaves out of the help what means nothing in a window.
 pub fn without_other_options(command: Command) -> Command {
     command.mut_subcommand("view", |view| {
-        NOT_IN_A_WINDOW.iter().fold(view, |view, name| view.mut_arg(name, |option| option.hide(true)))
+        NOT_IN_A_WINDOW
+            .iter()
+            .chain(&["more_scenes"])
+            .fold(view, |view, name| view.mut_arg(name, |option| option.hide(true)))
     })
 }
 
@@ -36,8 +39,23 @@ impl ViewArguments {
     /// # Errors
     /// If something of that kind is given.
     pub fn check(&self) -> Result<(), Failure> {
-        let RenderArguments { time, noise, adaptive, denoise, crop, layers, pixel, dump_wgsl, stats, .. } =
-            &self.render;
+        if let Some(path) = self.render.more_scenes.first() {
+            let text = format!("the window shows one project; open another one for {}", path.display());
+            return Err(Failure::Usage(text));
+        }
+        let RenderArguments {
+            time,
+            noise,
+            adaptive,
+            denoise,
+            crop,
+            layers,
+            pixel,
+            dump_wgsl,
+            stats,
+            turntable,
+            ..
+        } = &self.render;
         let given = [
             time.is_some(),
             noise.is_some(),
@@ -48,6 +66,7 @@ impl ViewArguments {
             pixel.is_some(),
             dump_wgsl.is_some(),
             stats.is_some(),
+            turntable.is_some(),
         ];
         match NOT_IN_A_WINDOW.iter().zip(given).find(|(_, is_given)| *is_given) {
             None => Ok(()),
@@ -67,6 +86,7 @@ impl ViewArguments {
             device: self.render.device,
             sun: self.render.daylight.sun,
             turbidity: self.render.daylight.turbidity,
+            visible_layers: self.render.visible_layers,
         }
     }
 
@@ -136,6 +156,7 @@ mod tests {
             device: DeviceChoice::Cpu,
             sun: Some(SunPosition { azimuth: -12.5, elevation: 30.0 }),
             turbidity: Some(2.5),
+            visible_layers: Some(0b101),
             ..arguments.settings()
         };
         let camera = Camera::look_at(DVec3::new(0.123456789, -2.7, 1.1), DVec3::Z, DVec3::Z, 0.77);
@@ -148,7 +169,9 @@ mod tests {
             assert_eq!(read.settings(), settings.render);
             assert_eq!((read.exposure, read.device), (settings.exposure, settings.device));
             assert_eq!((read.daylight.sun, read.daylight.turbidity), (settings.sun, settings.turbidity));
-            assert_eq!(read.read_options(), arguments.render.read_options());
+            let options =
+                groimp::ReadOptions { visible_layers: Some(0b101), ..arguments.render.read_options() };
+            assert_eq!(read.read_options(), options);
             assert_eq!((read.threads, read.accel), (arguments.render.threads, arguments.render.accel));
             let mut scene = Scene { camera: camera.clone(), ..Scene::default() };
             read.camera.apply(&mut scene).unwrap();

@@ -21,7 +21,8 @@ pub fn run(arguments: &ViewArguments) -> Result<String, Failure> {
     let read = {
         let (project, camera) = (project.clone(), arguments.render.camera.clone());
         let (options, daylight) = (arguments.render.read_options(), arguments.render.daylight.clone());
-        move || {
+        move |visible_layers| {
+            let options = groimp::ReadOptions { visible_layers, ..options };
             let mut read = groimp::read_with(&project, &options).map_err(|error| explained(&error))?;
             let scene = &mut read.scene;
             // The window moves the sun; here it is only asked whether there is one.
@@ -29,7 +30,7 @@ pub fn run(arguments: &ViewArguments) -> Result<String, Failure> {
             asked.map_err(|error| explained(&error))?;
             let skipped = read.report.skipped.iter().map(|skipped| format!("not drawn: {skipped}"));
             let warnings = skipped.chain(read.report.warnings.iter().map(ToString::to_string)).collect();
-            Ok(ReadScene { scene: read.scene, warnings })
+            Ok(ReadScene { scene: read.scene, warnings, visible_layers: read.visible_layers })
         }
     };
     let threads = arguments.render.threads.map(|threads| threads as usize);

@@ -82,6 +82,8 @@ pub struct Project {
     pub scene: scene::Scene,
     /// What is missing in the scene or odd in the project.
     pub report: Report,
+    /// Layers that are drawn, layer n as bit n.
+    pub visible_layers: u16,
 }
 
 /// Reads a `.gsz` archive, a `project.gs` file, a project directory or a bare graph (`.xml`, without named
@@ -127,7 +129,10 @@ fn read_archive(
     };
     let graph = Graph::parse(&registry.graph, &archive.require(&registry.graph)?, limits, &mut report)?;
     let sources = read_sources(&mut archive, &registry, &mut report)?;
-    let view = read_view(&archive, &registry, &mut report);
+    let mut view = read_view(&archive, &registry, &mut report);
+    if let Some(layers) = options.visible_layers {
+        view.show_layers(layers);
+    }
     let types = Types::new(&graph, &sources, limits);
     let images = Images::new(archive, registry.files.clone(), options.srgb_textures);
     let shaders = Shaders::new(&graph, &registry, images.clone());
@@ -137,7 +142,7 @@ fn read_archive(
     builder.build()?;
     let Builder { out: Output { scene, mut report, .. }, frames, .. } = builder;
     energy::warn_of_gains(&scene, &mut report);
-    Ok((Project { scene, report }, frames))
+    Ok((Project { scene, report, visible_layers: view.shown_layers() }, frames))
 }
 
 fn read_sources(

@@ -11,6 +11,8 @@ pub struct ReadOptions {
     pub flatness: Flatness,
     /// Colours of images are sRGB and not linear. GroIMP takes them for linear, and so does the default.
     pub srgb_textures: bool,
+    /// Layers that are drawn, layer n as bit n, instead of those of the saved view.
+    pub visible_layers: Option<u16>,
 }
 
 /// The largest distance between a curved surface and the triangles that are drawn instead.

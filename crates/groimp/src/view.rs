@@ -47,6 +47,16 @@ impl View {
         (view, problems)
     }
 
+    /// Makes other layers visible, layer n as bit n.
+    pub fn show_layers(&mut self, layers: u16) {
+        self.visible_layers = std::array::from_fn(|layer| layers >> layer & 1 != 0);
+    }
+
+    /// The visible layers, layer n as bit n.
+    pub fn shown_layers(&self) -> u16 {
+        (0..LAYERS).filter(|layer| self.visible_layers[*layer]).map(|layer| 1 << layer).sum()
+    }
+
     /// Whether objects of a layer are drawn. There are 16 layers; others do not occur and count as visible.
     pub fn shows(&self, layer: i64) -> bool {
         usize::try_from(layer).ok().and_then(|layer| self.visible_layers.get(layer).copied()).unwrap_or(true)
@@ -110,6 +120,15 @@ mod tests {
         let point = view.camera.view_from_world.transform_point3(DVec3::new(0.0, 1.0, 10.0));
         assert_eq!(point, DVec3::new(-0.375, 0.125, -39.25));
         assert!(view.shows(1) && !view.shows(2) && view.shows(15) && view.shows(99) && view.shows(-1));
+    }
+
+    #[test]
+    fn layers_are_bits() {
+        let mut view = View::default();
+        assert_eq!(view.shown_layers(), u16::MAX);
+        view.show_layers(0b1001);
+        assert!(view.shows(0) && !view.shows(1) && view.shows(3) && !view.shows(15));
+        assert_eq!(view.shown_layers(), 0b1001);
     }
 
     #[test]

@@ -67,6 +67,10 @@ pub fn render_words(
     if let Some(turbidity) = settings.turbidity {
         option("turbidity", turbidity.to_string());
     }
+    if let Some(layers) = settings.visible_layers {
+        let numbers = (0..u16::BITS).filter(|layer| layers >> layer & 1 != 0);
+        option("visible-layers", numbers.map(|layer| layer.to_string()).collect::<Vec<_>>().join(","));
+    }
     if settings.device != DeviceChoice::Auto {
         option("device", device_name(settings.device));
     }
@@ -183,6 +187,7 @@ mod tests {
             device: DeviceChoice::Gpu(Some(1)),
             sun: Some(SunPosition { azimuth: 120.0, elevation: 35.5 }),
             turbidity: Some(3.5),
+            visible_layers: Some(0b1011),
             ..ViewSettings::default()
         };
         let line = SightLine { lens: Some((0.01, Some(2.5))), ..SightLine::of(&Camera::default(), None) };
@@ -191,7 +196,7 @@ mod tests {
             shell_line(&words),
             "sunshine render 'my plant.gsz' --srgb-textures --size 640x480 --renderer raytracer --samples 9 --depth 2 \
              --shadow-samples 3 --grid 1 --sampler independent --filter blackman-harris --seed 5 --background 0.5,0,1 \
-             --exposure -1.25 --sun 120,35.5 --turbidity 3.5 --device gpu:1 --camera-position 0,-5.65685,5.65685 \
+             --exposure -1.25 --sun 120,35.5 --turbidity 3.5 --visible-layers 0,1,3 --device gpu:1 --camera-position 0,-5.65685,5.65685 \
              --camera-target 0,-4.94975,4.94975 --fov 60 --aperture 0.01 --focus 2.5 -o 'a b.png'"
         );
     }

@@ -62,6 +62,10 @@ pub struct SceneNews {
     pub compiled: Arc<CompiledScene>,
     /// What the reader left out or was unsure of.
     pub warnings: Vec<String>,
+    /// Layers of GroIMP that are drawn, layer n as bit n.
+    pub visible_layers: u16,
+    /// Whether the project had changed.
+    pub is_reread: bool,
     /// How long reading and compiling took, in seconds.
     pub seconds: f64,
 }

@@ -3,7 +3,7 @@
 use crate::actions::{Action, KEYS};
 use crate::session::{PickedObject, Session};
 use crate::style::{ACCENT, DIM, ERROR};
-use egui::{Align2, Area, Color32, Frame, Grid, Id, Label, Rect, RichText, Ui, Vec2};
+use egui::{Align2, Area, Color32, Frame, Grid, Id, Label, Rect, RichText, Stroke, Ui, Vec2};
 
 /// Draws it over the picture's part of the window.
 pub fn overlay(ui: &Ui, session: &mut Session, picture: Rect, time: f64) -> Vec<Action> {
@@ -58,6 +58,10 @@ fn messages(ui: &Ui, session: &mut Session, picture: Rect, time: f64) {
 /// What was picked.
 fn picked(ui: &Ui, session: &Session, picture: Rect) {
     let Some(PickedObject { what, material }) = &session.picked else { return };
+    if let Some(at) = session.on_screen(what.position).filter(|at| picture.contains(*at)) {
+        ui.painter().circle_stroke(at, 5.0, Stroke::new(3.0, Color32::from_black_alpha(160)));
+        ui.painter().circle_stroke(at, 5.0, Stroke::new(1.5, ACCENT));
+    }
     Area::new(Id::unique("picked")).fixed_pos(picture.left_top() + Vec2::new(12.0, 12.0)).show(
         ui.ctx(),
         |ui| {

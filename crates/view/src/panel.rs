@@ -34,6 +34,7 @@ pub fn panel(ui: &mut Ui, session: &mut Session, time: f64) -> Vec<Action> {
         if let Some(daylight) = sky.and_then(Sky::daylight) {
             section(ui, "Daylight", true, |ui| daylight_settings(ui, session, daylight));
         }
+        section(ui, "Layers", false, |ui| layers(ui, session));
         section(ui, "Camera", true, |ui| camera(ui, session, &mut actions, time));
         remarks(ui, session);
         ui.add_space(8.0);
@@ -230,6 +231,25 @@ fn daylight_settings(ui: &mut Ui, session: &mut Session, (now, haze): (SunPositi
     }
 }
 
+/// GroIMP's layers.
+fn layers(ui: &mut Ui, session: &mut Session) {
+    let Some(scene) = &session.scene else { return };
+    let shown = session.settings.visible_layers.unwrap_or(scene.visible_layers);
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for layer in 0..u16::BITS {
+            let bit = 1 << layer;
+            if ui.selectable_label(shown & bit != 0, layer.to_string()).clicked() {
+                // Nothing at all is no picture.
+                session.settings.visible_layers = Some(shown ^ bit).filter(|shown| *shown != 0);
+            }
+        }
+    });
+    if session.settings.visible_layers.is_some() && ui.button("as in the project").clicked() {
+        session.settings.visible_layers = None;
+    }
+}
+
 fn camera(ui: &mut Ui, session: &mut Session, actions: &mut Vec<Action>, time: f64) {
     let (undo, redo) = session.navigation.undoable();
     ui.horizontal(|ui| {
@@ -346,6 +366,7 @@ fn save(ui: &mut Ui, session: &mut Session, actions: &mut Vec<Action>) {
     });
     let text = RichText::new(session.command_line()).monospace().size(11.0);
     Frame::new().fill(ui.visuals().extreme_bg_color).inner_margin(6.0).corner_radius(3.0).show(ui, |ui| {
+        ui.set_min_width(ui.available_width());
         ui.add(Label::new(text).wrap().selectable(true));
     });
 }

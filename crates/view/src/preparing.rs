@@ -17,10 +17,13 @@ pub struct ReadScene {
     pub scene: Scene,
     /// What the reader left out or was unsure of.
     pub warnings: Vec<String>,
+    /// Layers of GroIMP that are drawn, layer n as bit n.
+    pub visible_layers: u16,
 }
 
-/// Reads the scene, again whenever the project changes; errors are in words.
-pub type ReadFunction = Box<dyn Fn() -> Result<ReadScene, String> + Send>;
+/// Reads the scene, again whenever the project changes, with the given layers (layer n as bit n) or those of the project;
+/// errors are in words.
+pub type ReadFunction = Box<dyn Fn(Option<u16>) -> Result<ReadScene, String> + Send>;
 
 /// Opens a device.
 pub type OpenFunction = Arc<dyn Fn(DeviceChoice) -> Result<Box<dyn Device>, DeviceError> + Send + Sync>;
@@ -32,6 +35,8 @@ pub struct Wanted {
     pub sun: Option<SunPosition>,
     /// Haziness of the air instead of that of the project.
     pub turbidity: Option<f64>,
+    /// Layers of GroIMP that are drawn instead of those of the project.
+    pub visible_layers: Option<u16>,
     /// What renders.
     pub device: DeviceChoice,
     /// By which renderer first.
@@ -51,6 +56,17 @@ pub enum Errand {
     Save(SaveOrder),
 }
 
+/// A scene that was read.
+#[derive(Clone)]
+struct KnownScene {
+    /// As it was read.
+    scene: Arc<Scene>,
+    warnings: Vec<String>,
+    visible_layers: u16,
+    /// With which layers that was asked for.
+    asked_layers: Option<u16>,
+}
+
 /// What the thread knows.
 pub struct Preparer {
     read: ReadFunction,
@@ -59,7 +75,7 @@ pub struct Preparer {
     desk: Arc<Desk>,
     report: Report,
     /// As it was read, with the warnings.
-    scene: Option<(Arc<Scene>, Vec<String>)>,
+    scene: Option<KnownScene>,
     compiled: Option<(Arc<CompiledScene>, Option<SunPosition>, Option<f64>)>,
     processor: Option<Arc<dyn Device>>,
     chosen: Option<(DeviceChoice, Arc<dyn Device>)>,
@@ -140,56 +156,44 @@ impl Preparer {
     /// Reads and compiles what is needed; `true` if the scene is another one.
     fn compile(&mut self, wanted: &Wanted, reread: bool) -> Result<bool, String> {
         let start = Instant::now();
-        let mut is_new = false;
-        if reread || self.scene.is_none() {
-            let ReadScene { scene, warnings } = (self.read)()?;
-            is_new = self.scene.as_ref().is_none_or(|(old, _)| **old != scene);
-            if !is_new {
-                (self.report)(Event::NothingNew);
-            }
-            if is_new {
-                // What cannot be compiled is not kept.
-                let (scene, compiled) = self.with_daylight(Arc::new(scene), wanted)?;
-                self.scene = Some((Arc::clone(&scene.0), warnings.clone()));
-                self.compiled = Some((Arc::clone(&compiled), wanted.sun, wanted.turbidity));
-                self.tell(scene.1, compiled, warnings, start);
-                return Ok(true);
+        let has_layers = self.scene.as_ref().is_some_and(|known| known.asked_layers == wanted.visible_layers);
+        let mut known = self.scene.clone();
+        let mut is_other_scene = false;
+        if reread || !has_layers {
+            let ReadScene { scene, warnings, visible_layers } = (self.read)(wanted.visible_layers)?;
+            is_other_scene = known.as_ref().is_none_or(|old| *old.scene != scene);
+            let asked_layers = wanted.visible_layers;
+            if is_other_scene {
+                known = Some(KnownScene { scene: Arc::new(scene), warnings, visible_layers, asked_layers });
+            } else if let Some(known) = &mut known {
+                // What is compiled serves on.
+                *known = KnownScene { warnings, visible_layers, asked_layers, ..known.clone() };
             }
         }
+        let Some(known) = known else { return Ok(false) };
         let is_same_sky = self
             .compiled
             .as_ref()
             .is_some_and(|(_, sun, haze)| (*sun, *haze) == (wanted.sun, wanted.turbidity));
-        if !is_same_sky && let Some((scene, warnings)) = self.scene.clone() {
-            let (scene, compiled) = self.with_daylight(scene, wanted)?;
-            self.compiled = Some((Arc::clone(&compiled), wanted.sun, wanted.turbidity));
-            self.tell(scene.1, compiled, warnings, start);
-            is_new = true;
-        }
-        Ok(is_new)
-    }
-
-    fn tell(&self, scene: Arc<Scene>, compiled: Arc<CompiledScene>, warnings: Vec<String>, start: Instant) {
-        let seconds = start.elapsed().as_secs_f64();
-        (self.report)(Event::SceneRead(SceneNews { scene, compiled, warnings, seconds }));
-    }
-
-    /// The scene as read, the scene with the sun that is wanted, and that one compiled.
-    fn with_daylight(
-        &self,
-        scene: Arc<Scene>,
-        wanted: &Wanted,
-    ) -> Result<((Arc<Scene>, Arc<Scene>), Arc<CompiledScene>), String> {
-        let mut changed = Arc::clone(&scene);
-        if (wanted.sun, wanted.turbidity) != (None, None) && scene.sky.is_some() {
-            let mut other = Scene::clone(&scene);
-            if let Some(sky) = &mut other.sky {
-                sky.set_daylight(wanted.sun, wanted.turbidity);
+        if !is_other_scene && is_same_sky {
+            if reread {
+                (self.report)(Event::NothingNew);
             }
-            changed = Arc::new(other);
+            self.scene = Some(known);
+            return Ok(false);
         }
-        let compiled = compile_with(&changed, self.acceleration).map_err(|error| explained(&error))?;
-        Ok(((scene, changed), Arc::new(compiled)))
+        let scene = with_daylight(&known.scene, wanted);
+        // What cannot be compiled is not kept.
+        let compiled = compile_with(&scene, self.acceleration).map_err(|error| explained(&error))?;
+        let compiled = Arc::new(compiled);
+        self.compiled = Some((Arc::clone(&compiled), wanted.sun, wanted.turbidity));
+        let seconds = start.elapsed().as_secs_f64();
+        let (warnings, visible_layers) = (known.warnings.clone(), known.visible_layers);
+        self.scene = Some(known);
+        let is_reread = reread;
+        let news = SceneNews { scene, compiled, warnings, visible_layers, is_reread, seconds };
+        (self.report)(Event::SceneRead(news));
+        Ok(true)
     }
 
     /// Brings the scene to the device, to the processor first if the device has yet to be opened.
@@ -286,6 +290,18 @@ impl Preparer {
         self.saving.retain(|thread| !thread.is_finished());
         self.saving.push(std::thread::spawn(move || save(device.as_ref(), compiled, &order, &report)));
     }
+}
+
+/// The scene with the sun that is wanted.
+fn with_daylight(scene: &Arc<Scene>, wanted: &Wanted) -> Arc<Scene> {
+    if (wanted.sun, wanted.turbidity) == (None, None) || scene.sky.is_none() {
+        return Arc::clone(scene);
+    }
+    let mut changed = Scene::clone(scene);
+    if let Some(sky) = &mut changed.sky {
+        sky.set_daylight(wanted.sun, wanted.turbidity);
+    }
+    Arc::new(changed)
 }
 
 fn load(

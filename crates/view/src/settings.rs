@@ -18,6 +18,8 @@ pub struct ViewSettings {
     pub sun: Option<SunPosition>,
     /// Haziness of the air instead of that of the project.
     pub turbidity: Option<f64>,
+    /// Layers of GroIMP that are drawn, layer n as bit n, instead of those of the project.
+    pub visible_layers: Option<u16>,
 }
 
 impl Default for ViewSettings {
@@ -29,6 +31,7 @@ impl Default for ViewSettings {
             device: DeviceChoice::Auto,
             sun: None,
             turbidity: None,
+            visible_layers: None,
         }
     }
 }

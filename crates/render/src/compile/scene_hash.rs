@@ -1,6 +1,7 @@
 //! A short name for everything that decides what a compiled scene looks like.
 
-use super::CompiledScene;
+use super::{CompiledScene, View};
+use kernels::records::kernel::SceneHeader;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
@@ -13,8 +14,17 @@ impl CompiledScene {
     /// The first 128 bits of the SHA-256 of all tables, in hexadecimal: scenes with the same hash give the same
     /// picture with the same settings. What objects are called does not count.
     pub fn hash(&self) -> String {
+        self.hash_with(&self.header)
+    }
+
+    /// As [`CompiledScene::hash`], of the scene as it would be compiled with another camera.
+    pub fn hash_through(&self, view: &View) -> String {
+        self.hash_with(&view.header)
+    }
+
+    fn hash_with(&self, header: &SceneHeader) -> String {
         let CompiledScene {
-            header,
+            header: _,
             nodes,
             objects,
             materials,
