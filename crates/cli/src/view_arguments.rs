@@ -15,7 +15,7 @@ pub struct ViewArguments {
     pub render: RenderArguments,
 
     /// Width and height of the window
-    #[arg(long, value_name = "WxH", default_value_t = Size { width: 1280, height: 800 })]
+    #[arg(long, value_name = "WxH", default_value_t = Size { width: 1360, height: 860 })]
     pub window: Size,
 }
 

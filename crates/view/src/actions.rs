@@ -1,5 +1,6 @@
 //! What a user can do with mouse and keys.
 
+use crate::sight_line::Extent;
 use egui::{Key, Modifiers, PointerButton, Pos2, Response, Ui, Vec2};
 
 /// Something that the user wants; positions and lengths are in points of the window.
@@ -13,6 +14,8 @@ pub enum Action {
     Look(Vec2),
     /// Go nearer for factors below 1, or farther away.
     Zoom(f32),
+    /// See more or less from the same place.
+    Widen(Extent),
     /// Fly to the right, upwards, forward; in units of what the keys are held.
     Fly([f32; 3]),
     /// Show all.
@@ -69,7 +72,7 @@ pub const KEYS: [(&str, &str); 20] = [
     ("[ ]", "depth"),
     (", .", "half, twice the samples"),
     ("- +", "darker, brighter"),
-    ("Tab", "next layer: albedo, normal, ..."),
+    ("L, Shift L", "next layer: albedo, normal, ..."),
     ("Ctrl S, Ctrl C", "save the picture, copy the command"),
     ("H", "hide the panel"),
     ("F1, Esc", "these keys, close"),
@@ -108,8 +111,8 @@ pub fn key_actions(ui: &Ui) -> Vec<Action> {
         on(alone, Key::Minus, Action::Expose(-0.25));
         on(alone, Key::Plus, Action::Expose(0.25));
         on(alone, Key::Equals, Action::Expose(0.25));
-        on(Modifiers::SHIFT, Key::Tab, Action::Show(-1));
-        on(alone, Key::Tab, Action::Show(1));
+        on(Modifiers::SHIFT, Key::L, Action::Show(-1));
+        on(alone, Key::L, Action::Show(1));
         on(alone, Key::H, Action::TogglePanel);
         on(alone, Key::F1, Action::ToggleHelp);
         on(alone, Key::Escape, Action::Unpick);

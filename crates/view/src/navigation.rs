@@ -21,6 +21,8 @@ pub enum Movement {
     Pan,
     /// Towards the middle or away from it.
     Zoom,
+    /// By a wider or narrower angle.
+    Widen,
     /// With the keys.
     Fly,
     /// On the spot.

@@ -9,10 +9,11 @@ use crate::sight_line::Extent;
 use crate::style::{DIM, WARNING};
 use egui::{
     Align, Button, Checkbox, CollapsingHeader, ComboBox, DragValue, Frame, Grid, Label, Layout, Panel,
-    ProgressBar, RichText, ScrollArea, Slider, TextEdit, Ui,
+    ProgressBar, RichText, ScrollArea, Slider, SliderClamping, TextEdit, Ui,
 };
 use render::{DeviceChoice, Filter, Renderer, Sampler};
 use scene::{Sky, SunPosition};
+use std::ops::RangeInclusive;
 
 /// Width of the column of names in points.
 const NAMES: f32 = 104.0;
@@ -204,31 +205,38 @@ fn picture_settings(ui: &mut Ui, session: &mut Session) {
 
 fn daylight_settings(ui: &mut Ui, session: &mut Session, (now, haze): (SunPosition, f64)) {
     let settings = &mut session.settings;
-    let tenth = |value: f64| (value * 10.0).round() / 10.0;
-    let own = SunPosition { azimuth: tenth(now.azimuth), elevation: tenth(now.elevation) };
+    let own = SunPosition { azimuth: now.azimuth, elevation: now.elevation };
     let mut sun = settings.sun.unwrap_or(own);
-    let mut turbidity = settings.turbidity.unwrap_or(tenth(haze));
+    let mut turbidity = settings.turbidity.unwrap_or(haze);
     grid(ui, "daylight", |ui| {
         ui.label("sun azimuth").on_hover_text("From the x axis towards the y axis");
-        let azimuth =
-            ui.add(Slider::new(&mut sun.azimuth, -180.0..=180.0).step_by(1.0).suffix("°")).changed();
+        let azimuth = ui.add(slider(&mut sun.azimuth, -180.0..=180.0).suffix("°")).changed();
         ui.end_row();
         ui.label("sun elevation").on_hover_text("Above the horizon");
-        let elevation =
-            ui.add(Slider::new(&mut sun.elevation, 0.0..=90.0).step_by(0.5).suffix("°")).changed();
+        let elevation = ui.add(slider(&mut sun.elevation, 0.0..=90.0).suffix("°")).changed();
         ui.end_row();
         if azimuth || elevation {
-            settings.sun = Some(sun);
+            settings.sun =
+                Some(SunPosition { azimuth: tenths(sun.azimuth), elevation: tenths(sun.elevation) });
         }
         ui.label("turbidity").on_hover_text("Haziness of the air: 2 is very clear, 10 is hazy");
-        if ui.add(Slider::new(&mut turbidity, 1.7..=10.0).step_by(0.1)).changed() {
-            settings.turbidity = Some(turbidity);
+        if ui.add(slider(&mut turbidity, 1.7..=10.0)).changed() {
+            settings.turbidity = Some(tenths(turbidity));
         }
         ui.end_row();
     });
     if (settings.sun.is_some() || settings.turbidity.is_some()) && ui.button("as in the project").clicked() {
         (settings.sun, settings.turbidity) = (None, None);
     }
+}
+
+/// A slider that changes its value only if the user does: by itself it would round it, and push it into its range.
+fn slider(value: &mut f64, range: RangeInclusive<f64>) -> Slider<'_> {
+    Slider::new(value, range).clamping(SliderClamping::Edits).fixed_decimals(1)
+}
+
+fn tenths(value: f64) -> f64 {
+    (value * 10.0).round() / 10.0
 }
 
 /// GroIMP's layers.
@@ -272,20 +280,22 @@ fn camera(ui: &mut Ui, session: &mut Session, actions: &mut Vec<Action>, time: f
             ui.label(RichText::new(text).monospace());
             ui.end_row();
         }
-        let mut changed = line;
-        match &mut changed.extent {
+        let mut extent = line.extent;
+        let is_changed = match &mut extent {
             Extent::Degrees(degrees) => {
                 ui.label("fov").on_hover_text("Horizontal opening angle");
-                ui.add(Slider::new(degrees, 5.0..=150.0).step_by(0.5).suffix("°"));
+                let is_changed = ui.add(slider(degrees, 5.0..=150.0).suffix("°")).changed();
+                *degrees = tenths(*degrees);
+                is_changed
             }
             Extent::Metres(width) => {
                 ui.label("parallel").on_hover_text("Width of the picture in metres");
-                ui.add(DragValue::new(width).range(1e-6..=1e6).speed(0.01).suffix(" m"));
+                ui.add(DragValue::new(width).range(1e-6..=1e6).speed(0.01).suffix(" m")).changed()
             }
-        }
+        };
         ui.end_row();
-        if changed != line {
-            session.navigation.go(crate::navigation::Movement::Zoom, time, changed);
+        if is_changed {
+            session.act(Action::Widen(extent), time);
         }
     });
     let mut forgotten = None;
@@ -400,6 +410,46 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::command_line::GivenWords;
+    use crate::events::{Event, SceneNews};
+    use crate::settings::ViewSettings;
+    use render::compile;
+    use scene::{Camera, DVec3, Daylight, Origin, Scene, SkyRadiance, TypeNameId};
+    use std::sync::Arc;
+
+    #[test]
+    fn looking_at_the_panel_changes_nothing() {
+        let origin = Origin { node: 1, type_name: TypeNameId(0) };
+        let mut sky = Sky::uniform([1.0; 3], origin);
+        let sun = DVec3::new(0.123, -0.456, -0.05);
+        sky.radiance = SkyRadiance::Daylight(Daylight {
+            sun,
+            turbidity: 2.345,
+            factor: 1.0,
+            shines: true,
+            has_sun: true,
+        });
+        let camera = Camera::look_at(DVec3::new(0.0, -3.3, 1.0), DVec3::ZERO, DVec3::Z, 0.777);
+        let scene = Arc::new(Scene { sky: Some(sky), camera, ..Scene::default() });
+        let compiled = Arc::new(compile(&scene).unwrap());
+        let project = std::env::temp_dir().join("no such project.gsz");
+        let settings = ViewSettings { device: DeviceChoice::Cpu, ..ViewSettings::default() };
+        let mut session = Session::new(&project, GivenWords::default(), settings, "a.png".to_owned());
+        let warnings = vec!["odd".to_owned()];
+        let news = SceneNews { scene, compiled, warnings, visible_layers: 5, is_reread: false, seconds: 0.0 };
+        session.hear(Event::SceneRead(news), 0.0);
+        let before = (session.settings.clone(), session.navigation.sight().clone());
+        let context = egui::Context::default();
+        for _ in 0..3 {
+            let mut actions = Vec::new();
+            let mut output = context.run_ui(egui::RawInput::default(), |ui| {
+                actions.extend(panel(ui, &mut session, 0.0));
+            });
+            output.textures_delta.clear();
+            assert!(actions.is_empty(), "{actions:?}");
+        }
+        assert_eq!((session.settings.clone(), session.navigation.sight().clone()), before);
+    }
 
     #[test]
     fn numbers_are_short() {

@@ -131,6 +131,9 @@ impl Session {
     pub fn hear(&mut self, event: Event, time: f64) {
         match event {
             Event::Frame(frame) => {
+                if self.frame.is_none() {
+                    self.messages.note(format!("first picture after {time:.2} s"));
+                }
                 let was_done = self.frame.as_ref().is_some_and(|old| old.is_done);
                 if frame.is_done && !was_done {
                     let per_pixel = frame.samples;
@@ -216,6 +219,9 @@ impl Session {
                 self.go(Movement::Pan, line.panned(-share(drag.x), share(drag.y)), time);
             }
             Action::Zoom(factor) => self.go(Movement::Zoom, line.zoomed(f64::from(factor)), time),
+            Action::Widen(extent) => {
+                self.go(Movement::Widen, SightLine { extent, ..line }, time);
+            }
             Action::Fly(way) => {
                 let [right, up, forward] = way.map(|share| f64::from(share) * SPEED);
                 self.go(Movement::Fly, line.flown(right, up, forward), time);

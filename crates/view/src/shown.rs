@@ -91,8 +91,10 @@ pub fn layer_image(layers: &[LayerPixel], width: usize, shown: Shown) -> Image {
             packed(sum.map(|v| byte(0.5 + 0.5 * v / length)))
         }
         Shown::Depth if layer.hits > 0 => {
-            let share = (mean_depth(layer) - near) / (far - near).max(1e-20);
-            packed([byte(1.0 - 0.85 * share); 3])
+            // What is twice as far away is half as bright: a horizon must not make all else alike.
+            let far = (near / far).min(0.999_999);
+            let share = (near / mean_depth(layer) - far) / (1.0 - far);
+            packed([byte(0.15 + 0.85 * share); 3])
         }
         Shown::Object if layer.object > 0 => object_colour(layer.object, layer.instance),
         Shown::Normal | Shown::Depth | Shown::Object => 0,
