@@ -97,8 +97,9 @@ const LOOK: Duration = Duration::from_millis(400);
 /// If there can be no window.
 pub fn run(options: ViewOptions) -> Result<(), ViewError> {
     let no_window = |reason: String| ViewError::NoWindow { reason };
-    let events =
-        EventLoop::<Wake>::with_user_event().build().map_err(|error| no_window(error.to_string()))?;
+    let events = EventLoop::<Wake>::with_user_event()
+        .build()
+        .map_err(|error| no_window(reason(&error.to_string())))?;
     let (sender, receiver) = mpsc::channel();
     let proxy = events.create_proxy();
     let report: Report = Arc::new(move |event| {
@@ -146,7 +147,24 @@ pub fn run(options: ViewOptions) -> Result<(), ViewError> {
     }
     match (failure, result) {
         (Some(reason), _) => Err(no_window(reason)),
-        (None, Err(error)) => Err(no_window(error.to_string())),
+        (None, Err(error)) => Err(no_window(reason(&error.to_string()))),
         (None, Ok(())) => Ok(()),
+    }
+}
+
+/// What the system says, without the place in the source of the library that it said it to.
+fn reason(text: &str) -> String {
+    let said = text.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": "));
+    said.map_or(text, |(_, reason)| reason).trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_are_for_users() {
+        assert_eq!(reason("os error at /src/linux/mod.rs:765: no display is set."), "no display is set");
+        assert_eq!(reason("no display"), "no display");
     }
 }

@@ -243,3 +243,23 @@ fn a_session_at_the_window() {
     server.close(window);
     assert!(program.process.wait().unwrap().success());
 }
+
+#[test]
+fn without_a_desktop_there_is_an_explanation_and_pictures_are_made_all_the_same() {
+    let directory = tempfile::tempdir().unwrap();
+    copy_scene(directory.path());
+    let run = |words: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sunshine"));
+        for variable in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+            command.env_remove(variable);
+        }
+        command.args(words).current_dir(directory.path()).output().unwrap()
+    };
+    let window = run(&["view", "cornell-box"]);
+    let message = String::from_utf8_lossy(&window.stderr);
+    assert_eq!(window.status.code(), Some(1));
+    assert!(message.contains("no window can be opened") && message.contains("sunshine render"), "{message}");
+    assert!(!message.contains(".rs"), "{message}");
+    let picture = run(&["render", "cornell-box", "--size", "8x6", "--samples", "1", "--device", "cpu"]);
+    assert!(picture.status.success());
+}
