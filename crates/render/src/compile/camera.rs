@@ -114,3 +114,39 @@ fn start_distance(view_from_local: &DAffine3, local_bounds: Option<(DVec3, DVec3
     let radius = 0.5 * (high - low).length() * view_from_local.matrix3.z_axis.length().max(1.0);
     centre.z + 1.01 * radius + 1e-3
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compile;
+    use scene::{Lens, MaterialId, Object, Origin, Scene, Shape, TypeNameId};
+
+    #[test]
+    fn another_camera_is_that_of_the_scene_compiled_with_it() {
+        let mut scene = Scene::default();
+        scene.materials.push(scene::Material::Rgba { color: [0.5; 3], opacity: 1.0 });
+        scene.type_names.push("Box".to_owned());
+        scene.objects.push(Object {
+            shape: Shape::Box { width: 1.0, height: 2.0, length: 3.0 },
+            world_from_object: DAffine3::from_translation(DVec3::new(100.0, 7.0, -3.0)),
+            material: MaterialId(0),
+            emission: None,
+            interior: None,
+            origin: Origin { node: 1, type_name: TypeNameId(0) },
+        });
+        let compiled = compile(&scene).unwrap();
+        let eye = DVec3::new(90.0, -5.0, 4.0);
+        let perspective = Camera::look_at(eye, DVec3::new(100.0, 7.0, -1.0), DVec3::Z, 0.7);
+        let lens = Some(Lens { radius: 0.1, focus: None });
+        let parallel = Projection::Parallel { width: 5.0, aspect: 1.5 };
+        for camera in [
+            perspective.clone(),
+            Camera { lens, ..perspective.clone() },
+            Camera { projection: parallel, lens, ..perspective },
+        ] {
+            let with_it = compile(&Scene { camera: camera.clone(), ..scene.clone() }).unwrap();
+            let view = compiled.view(&camera).unwrap();
+            assert_eq!(bytemuck::bytes_of(&view.header), bytemuck::bytes_of(&with_it.header));
+        }
+    }
+}
