@@ -47,12 +47,17 @@ pub struct LogArguments {
     pub log_file: Option<PathBuf>,
 }
 
-/// Reads the command line; ends the process if it is wrong, or for help.
-pub fn parse() -> Arguments {
+/// The definition of the command line, from which help, manual pages and completions are made.
+pub fn command() -> clap::Command {
     let command = Arguments::command();
     #[cfg(feature = "view")]
     let command = crate::view_arguments::without_other_options(command);
-    let matches = command.get_matches();
+    command
+}
+
+/// Reads the command line; ends the process if it is wrong, or for help.
+pub fn parse() -> Arguments {
+    let matches = command().get_matches();
     Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
 }
 
@@ -137,9 +142,9 @@ pub struct RenderArguments {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["adaptive", "pixel"])]
     pub resume: Option<PathBuf>,
 
-    /// Time between two savings of --checkpoint, for example 90, 90s or 10m
-    #[arg(long, value_name = "TIME", default_value = "5m", value_parser = parse_time)]
-    pub checkpoint_every: Duration,
+    /// Time between two savings of --checkpoint, for example 90, 90s or 10m [default: 5m]
+    #[arg(long, value_name = "TIME", value_parser = parse_time)]
+    pub checkpoint_every: Option<Duration>,
 
     /// Render only these of the --samples, to share them among machines: from A, which is a multiple of 64, up to and
     /// without B, a multiple of 64 or the last. `sunshine merge` joins the films of all shares to exactly the picture

@@ -10,6 +10,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// Time between two savings unless another is given: little is lost, and saving costs next to nothing.
+const EVERY: Duration = Duration::from_secs(300);
+
 /// Where the film is saved, and when it was.
 pub struct Checkpoints {
     path: Option<PathBuf>,
@@ -33,7 +36,7 @@ impl Checkpoints {
         let window = settings.window();
         Checkpoints {
             path: path(arguments).map(Path::to_owned),
-            every: arguments.checkpoint_every,
+            every: arguments.checkpoint_every.unwrap_or(EVERY),
             last: Instant::now(),
             saved: None,
             provenance,

@@ -1,21 +1,20 @@
 //! `sunshine generate`: manual pages and completions for shells, made of the definition of the command line.
 
-use crate::arguments::{Arguments, GenerateArguments};
+use crate::arguments::{self, GenerateArguments};
 use crate::failure::Failure;
-use clap::CommandFactory;
 use clap_complete::Shell;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Writes the files and returns their list.
-pub fn run(arguments: &GenerateArguments) -> Result<String, Failure> {
-    let folder = &arguments.folder;
+pub fn run(generate: &GenerateArguments) -> Result<String, Failure> {
+    let folder = &generate.folder;
     let not_writable = |path: &Path| {
         let path = path.to_owned();
         move |source| Failure::NotWritable { path, source }
     };
     std::fs::create_dir_all(folder).map_err(not_writable(folder))?;
-    let mut command = Arguments::command();
+    let mut command = arguments::command();
     command.build();
     let mut files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
     for shell in [Shell::Bash, Shell::Zsh, Shell::Fish] {

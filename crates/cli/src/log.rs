@@ -28,7 +28,7 @@ pub fn start(arguments: &LogArguments) -> Result<(), Failure> {
     let shown = io::stderr.with_filter(move |event| is_shown && event.target() != SAID);
     // Graphics drivers and their interface write thousands of lines; their warnings do unless everything is wanted.
     let others = if level == Level::TRACE { Level::TRACE } else { Level::WARN };
-    let targets = [("sunshine", level), ("render", level), (SAID, level)]
+    let targets = [("sunshine", level), ("render", level), ("view", level), (SAID, level)]
         .into_iter()
         .collect::<Targets>()
         .with_default(others);

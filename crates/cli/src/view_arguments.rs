@@ -2,7 +2,7 @@
 
 use crate::arguments::RenderArguments;
 use crate::failure::Failure;
-use crate::option_values::Size;
+use crate::option_values::{NamedLimit, Size};
 use clap::{Args, Command};
 use std::path::Path;
 use view::{GivenWords, ViewSettings};
@@ -20,8 +20,22 @@ pub struct ViewArguments {
 }
 
 /// Options of `sunshine render` that mean nothing in a window.
-const NOT_IN_A_WINDOW: [&str; 10] =
-    ["time", "noise", "adaptive", "denoise", "crop", "layers", "pixel", "dump_wgsl", "stats", "turntable"];
+const NOT_IN_A_WINDOW: [&str; 14] = [
+    "time",
+    "noise",
+    "adaptive",
+    "denoise",
+    "checkpoint",
+    "resume",
+    "checkpoint_every",
+    "sample_range",
+    "crop",
+    "layers",
+    "pixel",
+    "dump_wgsl",
+    "stats",
+    "turntable",
+];
 
 /// Leaves out of the help what means nothing in a window.
 pub fn without_other_options(command: Command) -> Command {
@@ -48,6 +62,10 @@ impl ViewArguments {
             noise,
             adaptive,
             denoise,
+            checkpoint,
+            resume,
+            checkpoint_every,
+            sample_range,
             crop,
             layers,
             pixel,
@@ -61,6 +79,10 @@ impl ViewArguments {
             noise.is_some(),
             *adaptive,
             *denoise,
+            checkpoint.is_some(),
+            resume.is_some(),
+            checkpoint_every.is_some(),
+            sample_range.is_some(),
             crop.is_some(),
             layers.is_some(),
             pixel.is_some(),
@@ -102,6 +124,9 @@ impl ViewArguments {
         if self.render.accel == render::Acceleration::None {
             other.extend(["--accel".to_owned(), "none".to_owned()]);
         }
+        for NamedLimit { name, value } in &self.render.limits.limit {
+            other.extend(["--limit".to_owned(), format!("{name}={value}")]);
+        }
         if let Some(threads) = self.render.threads {
             other.extend(["--threads".to_owned(), threads.to_string()]);
         }
@@ -134,6 +159,15 @@ mod tests {
         assert!(arguments.check().is_ok());
         assert!(matches!(view(&["--time", "5"]).check(), Err(Failure::Usage(_))));
         assert!(matches!(view(&["--dump-wgsl", "x"]).check(), Err(Failure::Usage(_))));
+        for words in [
+            ["--checkpoint", "a"],
+            ["--resume", "a"],
+            ["--checkpoint-every", "5"],
+            ["--sample-range", "0..64"],
+        ] {
+            let Err(Failure::Usage(message)) = view(&words).check() else { panic!("{words:?}") };
+            assert!(message.contains(words[0]), "{message}");
+        }
         let help =
             without_other_options(Arguments::command()).find_subcommand_mut("view").unwrap().render_help();
         let help = help.to_string();
@@ -143,8 +177,10 @@ mod tests {
     #[test]
     fn the_command_of_the_window_makes_its_picture() {
         let given =
-            ["--srgb-textures", "--flatness", "0.01", "--threads", "2", "--accel", "none", "--fov", "33"];
-        let arguments = view(&given);
+            "--srgb-textures --flatness 0.01 --threads 2 --accel none --fov 33 --limit graph-nodes=12345";
+        let given: Vec<_> = given.split(' ').collect();
+        let given = &given[..];
+        let arguments = view(given);
         let settings = ViewSettings {
             render: RenderSettings {
                 renderer: Renderer::RayTracer,

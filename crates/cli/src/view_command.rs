@@ -1,9 +1,14 @@
 //! `sunshine view`: a window on a scene.
 
+use crate::arguments::{Arguments, Command};
 use crate::failure::Failure;
 use crate::progress::Messages;
 use crate::render_command::default_output;
+use crate::render_job::{picture_options, provenance_of};
 use crate::view_arguments::ViewArguments;
+use clap::Parser;
+use render::Provenance;
+use std::path::Path;
 use std::sync::Arc;
 use view::{ReadScene, ViewOptions, explained};
 
@@ -33,6 +38,7 @@ pub fn run(arguments: &ViewArguments) -> Result<String, Failure> {
             Ok(ReadScene { scene: read.scene, warnings, visible_layers: read.visible_layers })
         }
     };
+    let scene = project.clone();
     let threads = arguments.render.threads.map(|threads| threads as usize);
     view::run(ViewOptions {
         given: arguments.given(&project),
@@ -42,8 +48,20 @@ pub fn run(arguments: &ViewArguments) -> Result<String, Failure> {
         window: (f64::from(arguments.window.width), f64::from(arguments.window.height)),
         read: Box::new(read),
         open: Arc::new(move |choice| render::open_device(choice, threads)),
+        record: Box::new(move |words: &[String]| record(&scene, words)),
         note: Box::new(move |text| messages.line(text)),
         project,
     })?;
     Ok(String::new())
+}
+
+/// What a saved picture tells of itself: the same as one that its command makes.
+fn record(scene: &Path, words: &[String]) -> Provenance {
+    // A file name that looks like an option is no part of the record.
+    let known = Arguments::try_parse_from(words).ok();
+    let settings = match known.map(|arguments| arguments.command) {
+        Some(Command::Render(render)) => picture_options(&render, &render.settings(), &render.camera),
+        _ => Vec::new(),
+    };
+    Provenance { settings, ..provenance_of(scene) }
 }

@@ -38,6 +38,9 @@ fn options_that_users_are_told_exist() {
     for command in ["render", "info", "merge", "show", "devices"] {
         help += &sunshine(&[command, "--help"]);
     }
+    if cfg!(feature = "view") {
+        help += &sunshine(&["view", "--help"]);
+    }
     help += &sunshine(&["bench", "run", "--help"]);
     help += &sunshine(&["--help"]);
     for page in [
@@ -45,6 +48,7 @@ fn options_that_users_are_told_exist() {
         "docs/guide.md",
         "docs/long-renders.md",
         "docs/limits.md",
+        "docs/view.md",
         "docs/examples/slurm-array.sh",
     ] {
         let text = std::fs::read_to_string(root().join(page)).unwrap();
@@ -83,6 +87,11 @@ fn manual_pages_and_completions_are_made_of_the_command_line() {
     {
         assert!(names.iter().any(|there| there == name), "{name} is not among {names:?}");
         assert!(told.contains(name));
+    }
+    if cfg!(feature = "view") {
+        let page = std::fs::read_to_string(folder.join("sunshine-view.1")).unwrap();
+        assert!(page.contains("\\-\\-window") && page.contains("\\-\\-depth"), "{page}");
+        assert!(!page.contains("checkpoint") && !page.contains("turntable"), "{page}");
     }
     assert!(!names.iter().any(|name| name.contains("generate") || name.contains("help")), "{names:?}");
     let page = std::fs::read_to_string(folder.join("sunshine-render.1")).unwrap();

@@ -39,6 +39,11 @@ fn a_turntable_begins_with_the_saved_view_and_turns() {
     assert_eq!(bytes("turn-0001.exr"), bytes("single.exr"));
     assert_ne!(bytes("turn-0001.exr"), bytes("turn-0002.exr"));
     assert_ne!(bytes("turn-0002.exr"), bytes("turn-0003.exr"));
+    // Every picture tells its own camera.
+    let record = |name: &str| render::read_record(&directory.path().join(name)).unwrap();
+    assert!(!record("turn-0001.exr").contains("--camera-position"));
+    let (second, third) = (record("turn-0002.exr"), record("turn-0003.exr"));
+    assert!(second.contains("--camera-position") && second.contains("scene hash: ") && second != third);
 }
 
 #[test]
@@ -64,6 +69,9 @@ fn what_is_meant_for_one_picture_is_refused() {
         (&["shapes"], &["--turntable", "3", "--stats", "a.json"]),
         (&["shapes", "glass"], &["--pixel", "1,1"]),
         (&["shapes"], &["--turntable", "0"]),
+        (&["shapes"], &["--turntable", "3", "--checkpoint", "a.film"]),
+        (&["shapes", "glass"], &["--resume", "a.film", "--checkpoint", "a.film"]),
+        (&["shapes", "glass"], &["--samples", "64", "--sample-range", "0..64"]),
     ] {
         let output = render(directory.path(), scenes, words);
         assert_eq!(output.status.code(), Some(2), "{words:?}");

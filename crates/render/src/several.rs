@@ -336,11 +336,13 @@ mod tests {
         fails_from: u32,
         /// Whether small tiles help.
         recovers: bool,
+        /// How often the camera was moved.
+        looks: std::sync::Arc<AtomicU32>,
     }
 
     impl Fake {
         fn failing_from(call: u32, recovers: bool) -> Self {
-            Fake { calls: AtomicU32::new(0), fails_from: call, recovers }
+            Fake { calls: AtomicU32::new(0), fails_from: call, recovers, looks: Default::default() }
         }
 
         fn sound() -> Self {
@@ -350,6 +352,7 @@ mod tests {
 
     impl LoadedScene for Fake {
         fn set_view(&mut self, _: &View) -> Result<(), DeviceError> {
+            self.looks.fetch_add(1, Ordering::Relaxed);
             Ok(())
         }
 
@@ -449,6 +452,27 @@ mod tests {
             Box::new(|| Ok(("the spare".to_owned(), Box::new(Fake::sound()) as Box<dyn LoadedScene>)));
         let told = assert_right(&several(vec![Fake::failing_from(1, false)], Some(spare)));
         assert!(told.contains("device 0 is left out") && told.contains("the spare goes on"), "{told}");
+    }
+
+    #[test]
+    fn whoever_stands_in_looks_through_the_same_camera() {
+        let looks = std::sync::Arc::new(AtomicU32::new(0));
+        let looking = || Fake { looks: std::sync::Arc::clone(&looks), ..Fake::sound() };
+        let spare = Fake { looks: std::sync::Arc::clone(&looks), ..Fake::sound() };
+        let spare = Mutex::new(Some(spare));
+        let spare: Box<Spare> = Box::new(move || {
+            let fake = lock(&spare).take().ok_or(DeviceError::Cancelled)?;
+            Ok(("the spare".to_owned(), Box::new(fake) as Box<dyn LoadedScene>))
+        });
+        let failing = Fake { fails_from: 0, ..looking() };
+        let mut several = several(vec![failing, looking()], Some(spare));
+        let scene = crate::compile(&scene::Scene::default()).unwrap();
+        several.set_view(&scene.view(&scene::Camera::default()).unwrap()).unwrap();
+        assert_eq!(looks.load(Ordering::Relaxed), 2);
+        several.members[1].has_failed.store(true, Ordering::Relaxed);
+        let told = assert_right(&several);
+        assert!(told.contains("the spare goes on"), "{told}");
+        assert_eq!(looks.load(Ordering::Relaxed), 3);
     }
 
     #[test]

@@ -30,7 +30,7 @@ mod window;
 pub use command_line::{GivenWords, render_words, shell_line};
 pub use events::explained;
 pub use navigation::Sight;
-pub use preparing::{OpenFunction, ReadFunction, ReadScene};
+pub use preparing::{OpenFunction, ReadFunction, ReadScene, RecordFunction};
 pub use settings::ViewSettings;
 pub use sight_line::{Extent, SightLine};
 pub use window::Note;
@@ -68,6 +68,8 @@ pub struct ViewOptions {
     pub read: ReadFunction,
     /// Opens devices.
     pub open: OpenFunction,
+    /// What saved pictures tell of themselves.
+    pub record: RecordFunction,
     /// Hears of what happens in the window.
     pub note: Note,
 }
@@ -110,13 +112,14 @@ pub fn run(options: ViewOptions) -> Result<(), ViewError> {
     let desk = Arc::new(Desk::default());
     let (errands, errands_of_preparer) = mpsc::channel();
 
-    let ViewOptions { project, given, settings, acceleration, output, window, read, open, note } = options;
+    let ViewOptions { project, given, settings, acceleration, output, window, read, open, record, note } =
+        options;
     let watched = project.clone();
     let first_look = Fingerprint::of(&watched);
     let session = Session::new(&project, given, settings, output);
 
     let preparer =
-        Preparer::new(read, Arc::clone(&open), acceleration, Arc::clone(&desk), Arc::clone(&report));
+        Preparer::new(read, Arc::clone(&open), record, acceleration, Arc::clone(&desk), Arc::clone(&report));
     let preparing = thread::Builder::new()
         .name("view-prepare".to_owned())
         .spawn(move || preparer.run(&errands_of_preparer))?;

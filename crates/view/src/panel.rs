@@ -161,6 +161,9 @@ fn picture_settings(ui: &mut Ui, session: &mut Session) {
             .selected_text(device_text(settings.device))
             .show_ui(ui, |ui| {
                 let cards = (0..gpus.len()).map(|number| DeviceChoice::Gpu(Some(number)));
+                let together = [(2, DeviceChoice::AllGpus), (1, DeviceChoice::All)];
+                let together = together.into_iter().filter(|(fewest, _)| gpus.len() >= *fewest);
+                let cards = cards.chain(together.map(|(_, choice)| choice));
                 for choice in [DeviceChoice::Auto, DeviceChoice::Cpu].into_iter().chain(cards) {
                     ui.selectable_value(&mut settings.device, choice, device_text(choice));
                 }

@@ -4,7 +4,9 @@
 use crate::desk::{Delivery, Desk};
 use crate::events::{Event, Report, SceneNews, explained};
 use crate::saving::{SaveOrder, save};
-use render::{Acceleration, CompiledScene, Device, DeviceChoice, DeviceError, Renderer, compile_with};
+use render::{
+    Acceleration, CompiledScene, Device, DeviceChoice, DeviceError, Provenance, Renderer, compile_with,
+};
 use scene::{Scene, SunPosition};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
@@ -27,6 +29,10 @@ pub type ReadFunction = Box<dyn Fn(Option<u16>) -> Result<ReadScene, String> + S
 
 /// Opens a device.
 pub type OpenFunction = Arc<dyn Fn(DeviceChoice) -> Result<Box<dyn Device>, DeviceError> + Send + Sync>;
+
+/// What a picture tells of itself, by the words of the command that makes it; without what is known only when it is
+/// rendered: scene hash, device and samples.
+pub type RecordFunction = Box<dyn Fn(&[String]) -> Provenance + Send>;
 
 /// What is to be rendered by what.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +59,7 @@ pub enum Errand {
         reread: bool,
     },
     /// Save a picture.
-    Save(SaveOrder),
+    Save(Box<SaveOrder>),
 }
 
 /// A scene that was read.
@@ -71,6 +77,7 @@ struct KnownScene {
 pub struct Preparer {
     read: ReadFunction,
     open: OpenFunction,
+    record: RecordFunction,
     acceleration: Acceleration,
     desk: Arc<Desk>,
     report: Report,
@@ -88,6 +95,7 @@ impl Preparer {
     pub fn new(
         read: ReadFunction,
         open: OpenFunction,
+        record: RecordFunction,
         acceleration: Acceleration,
         desk: Arc<Desk>,
         report: Report,
@@ -95,6 +103,7 @@ impl Preparer {
         Preparer {
             read,
             open,
+            record,
             acceleration,
             desk,
             report,
@@ -139,7 +148,7 @@ impl Preparer {
     fn run_errand(&mut self, errand: Errand) {
         match errand {
             Errand::Prepare { wanted, reread } => self.prepare(&wanted, reread),
-            Errand::Save(order) => self.save(order),
+            Errand::Save(order) => self.save(*order),
         }
     }
 
@@ -287,8 +296,11 @@ impl Preparer {
             return (self.report)(Event::SaveFailed { path: order.path, reason });
         };
         let (compiled, report) = (Arc::clone(compiled), Arc::clone(&self.report));
+        let record = (self.record)(&order.words);
         self.saving.retain(|thread| !thread.is_finished());
-        self.saving.push(std::thread::spawn(move || save(device.as_ref(), compiled, &order, &report)));
+        self.saving.push(std::thread::spawn(move || {
+            save(device.as_ref(), compiled, &order, record, &report);
+        }));
     }
 }
 

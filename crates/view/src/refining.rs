@@ -166,6 +166,10 @@ impl Refiner {
         let whole = u64::from(request.settings.width) * u64::from(request.settings.height);
         match made {
             Ok(()) => {
+                // Of several devices those that are left go on.
+                for failure in scene.loaded.failures() {
+                    (self.report)(Event::Refused(failure));
+                }
                 self.schedule.made(pass, whole, seconds);
                 self.seconds += seconds;
                 if pass.divisor == 1 {

@@ -2,8 +2,8 @@
 
 use crate::events::{Event, Report, explained};
 use render::{
-    BAND_BYTES, CompiledScene, ControlFlow, Device, Layers, Origins, PictureTarget, RenderSettings, Sampling,
-    render_bands, stream_picture,
+    BAND_BYTES, CompiledScene, ControlFlow, Device, Layers, Origins, PictureTarget, Provenance,
+    RenderSettings, Sampling, render_bands, stream_picture,
 };
 use scene::Camera;
 use std::error::Error;
@@ -23,13 +23,22 @@ pub struct SaveOrder {
     pub camera: Camera,
     /// Brightness of a PNG in stops; chosen from the picture if missing.
     pub exposure: Option<f32>,
+    /// The command that makes the same picture.
+    pub words: Vec<String>,
 }
 
-/// Renders the picture into its file and tells how it goes.
-pub fn save(device: &dyn Device, scene: Arc<CompiledScene>, order: &SaveOrder, report: &Report) {
+/// Renders the picture into its file and tells how it goes; `record` is what is known beforehand of what the picture
+/// tells of itself.
+pub fn save(
+    device: &dyn Device,
+    scene: Arc<CompiledScene>,
+    order: &SaveOrder,
+    record: Provenance,
+    report: &Report,
+) {
     let start = Instant::now();
     let path = order.path.clone();
-    let event = match write(device, scene, order, report) {
+    let event = match write(device, scene, order, record, report) {
         Ok(()) => Event::Saved { path, seconds: start.elapsed().as_secs_f64() },
         Err(error) => Event::SaveFailed { path, reason: explained(error.as_ref()) },
     };
@@ -40,11 +49,18 @@ fn write(
     device: &dyn Device,
     scene: Arc<CompiledScene>,
     order: &SaveOrder,
+    record: Provenance,
     report: &Report,
 ) -> Result<(), Box<dyn Error>> {
-    let SaveOrder { path, settings, camera, exposure } = order;
+    let SaveOrder { path, settings, camera, exposure, words: _ } = order;
     render::check_writable(path)?;
     let view = scene.view(camera)?;
+    let provenance = Provenance {
+        scene_hash: scene.hash_through(&view),
+        device: device.kind(),
+        samples: settings.samples,
+        ..record
+    };
     let mut loaded = device.load(scene)?;
     loaded.set_view(&view)?;
     let target = PictureTarget {
@@ -54,7 +70,7 @@ fn write(
         exposure: *exposure,
         layers: &Layers::default(),
         origins: &Origins::default(),
-        provenance: None,
+        provenance: Some(&provenance),
     };
     let total = settings.total_samples().max(1);
     let told = AtomicU64::new(0);

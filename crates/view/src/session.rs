@@ -367,15 +367,20 @@ impl Session {
             settings: self.settings.render.clone(),
             camera: self.navigation.camera(),
             exposure: self.settings.exposure,
+            words: self.command(),
         };
-        self.errands.push(Errand::Save(order));
+        self.errands.push(Errand::Save(Box::new(order)));
     }
 
     /// The command that makes the picture.
     pub fn command_line(&self) -> String {
+        shell_line(&self.command())
+    }
+
+    fn command(&self) -> Vec<String> {
         let output = Some(self.output.trim()).filter(|output| !output.is_empty());
         let sight: &Sight = self.navigation.sight();
-        shell_line(&render_words(&self.given, &self.settings, sight, output))
+        render_words(&self.given, &self.settings, sight, output)
     }
 
     /// The part of the window, in pixels, that the picture covers.

@@ -204,9 +204,14 @@ fn a_session_at_the_window() {
         .output()
         .unwrap();
     assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
-    let (saved, again) = (pixels(&saved), pixels(&directory.path().join("again.png")));
-    assert_eq!((saved.0, saved.1), (140, 120));
-    assert!(saved == again, "the saved picture is not that of the command line");
+    let again = directory.path().join("again.png");
+    let (saved_pixels, pixels_again) = (pixels(&saved), pixels(&again));
+    assert_eq!((saved_pixels.0, saved_pixels.1), (140, 120));
+    assert!(saved_pixels == pixels_again, "the saved picture is not that of the command line");
+    // With what it tells of itself.
+    let record = |path: &Path| render::read_record(path).unwrap();
+    assert_eq!(record(&saved), record(&again));
+    assert!(std::fs::read(&saved).unwrap() == std::fs::read(&again).unwrap());
 
     program.wait_for(&[&complete]);
     std::thread::sleep(Duration::from_millis(1000));

@@ -70,9 +70,9 @@ macro_rules! kernels_in_lanes {
     ($lanes:path, $processor:literal, $scene:ident, $file:literal) => {
         #[allow(unused_imports)]
         use crate::cpu::slices::{PLAIN_FEATURES, Slices};
+        use ::kernels::records::kernel::SceneAccess;
         #[allow(unused_imports)]
         use ::kernels::records::kernel::{ALL_FEATURES, FilmPixel, LaunchSettings};
-        use ::kernels::records::kernel::SceneAccess;
         use bytemuck::cast_slice;
         use lanes::{Table, V3};
         use std::cell::RefCell;
