@@ -1,6 +1,6 @@
 //! A scene in the memory of a graphics card.
 
-use super::tile::TileRenderer;
+use super::tile::{KeptTile, TileRenderer};
 use super::{Gpu, Program};
 use crate::{Batch, CompiledScene, DeviceError, LoadedScene, Progress, RenderSettings, Renderer, View};
 use kernels::records::kernel::{FilmPixel, LayerPixel, launched_samples};
@@ -13,6 +13,9 @@ pub(super) struct GpuScene {
     tables: Vec<wgpu::Buffer>,
     /// What the tables contain.
     features: u32,
+    /// From one batch to the next, for pictures and for layers.
+    tile: KeptTile,
+    layer_tile: KeptTile,
 }
 
 impl GpuScene {
@@ -59,7 +62,8 @@ impl GpuScene {
         // Wait until the tables have arrived, so that a lack of memory shows here.
         gpu.queue.submit([]);
         wait(&gpu, "receiving the scene")?;
-        Ok(GpuScene { gpu, tables, features: scene.features })
+        let (tile, layer_tile) = (KeptTile::default(), KeptTile::default());
+        Ok(GpuScene { gpu, tables, features: scene.features, tile, layer_tile })
     }
 }
 
@@ -86,7 +90,8 @@ impl LoadedScene for GpuScene {
             tile.iter().map(|pixel| launched_samples(launch, pixel.samples)).max().unwrap_or(0)
         };
         let pipeline = self.gpu.pipeline(Program::samples(settings.renderer, self.features))?;
-        TileRenderer::new(&self.gpu, &pipeline, &self.tables, settings).render(batch, pixels, progress, &most)
+        TileRenderer::new(&self.gpu, &pipeline, &self.tables, settings, &self.tile)
+            .render(batch, pixels, progress, &most)
     }
 
     fn add_layers(
@@ -97,7 +102,7 @@ impl LoadedScene for GpuScene {
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
         let pipeline = self.gpu.pipeline(Program::layers(self.features))?;
-        TileRenderer::new(&self.gpu, &pipeline, &self.tables, settings).render(
+        TileRenderer::new(&self.gpu, &pipeline, &self.tables, settings, &self.layer_tile).render(
             batch,
             pixels,
             progress,

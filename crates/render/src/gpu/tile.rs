@@ -5,7 +5,7 @@ use super::scene::wait;
 use crate::{Batch, ControlFlow, DeviceError, Progress, RenderSettings};
 use bytemuck::Pod;
 use kernels::records::kernel::LaunchSettings;
-use std::sync::mpsc;
+use std::sync::{Mutex, mpsc};
 use std::time::{Duration, Instant};
 
 /// A launch should take about this long: long enough to keep the card busy, short enough for a desktop that
@@ -26,6 +26,24 @@ pub(super) struct TileRenderer<'a> {
     /// The scene: its header, then its tables.
     tables: &'a [wgpu::Buffer],
     settings: &'a RenderSettings,
+    kept: &'a KeptTile,
+}
+
+/// A tile's memory on the card, and how fast it fills, from one batch of samples to the next: making the memory that
+/// both sides see takes longer than many samples. Whoever renders takes it and brings it back.
+#[derive(Default)]
+pub(super) struct KeptTile(Mutex<Option<(TileBuffers, Pace)>>);
+
+impl KeptTile {
+    fn take(&self) -> Option<(TileBuffers, Pace)> {
+        self.0.lock().ok()?.take()
+    }
+
+    fn bring_back(&self, tile: (TileBuffers, Pace)) {
+        if let Ok(mut kept) = self.0.lock() {
+            *kept = Some(tile);
+        }
+    }
 }
 
 impl<'a> TileRenderer<'a> {
@@ -34,8 +52,9 @@ impl<'a> TileRenderer<'a> {
         pipeline: &'a wgpu::ComputePipeline,
         tables: &'a [wgpu::Buffer],
         settings: &'a RenderSettings,
+        kept: &'a KeptTile,
     ) -> Self {
-        TileRenderer { gpu, pipeline, tables, settings }
+        TileRenderer { gpu, pipeline, tables, settings, kept }
     }
 
     /// Width and height of the tiles; at the right and lower edge they may be smaller.
@@ -63,8 +82,8 @@ impl<'a> TileRenderer<'a> {
         }
         let (tile_width, tile_height) = self.tile_size(batch, size_of::<P>() as u64);
         let size = u64::from(tile_width) * u64::from(tile_height) * size_of::<P>() as u64;
-        let buffers = TileBuffers::new(self, size);
-        let mut pace = Pace { samples: 1 };
+        let kept = self.kept.take().filter(|(buffers, _)| buffers.film.size() >= size);
+        let (buffers, mut pace) = kept.unwrap_or_else(|| (TileBuffers::new(self, size), Pace { samples: 1 }));
         let mut done = 0u64;
         let mut tile: Vec<P> = Vec::new();
         for y in (0..batch.rows).step_by(tile_height as usize) {
@@ -85,18 +104,35 @@ impl<'a> TileRenderer<'a> {
                     tile.extend_from_slice(&pixels[start..start + line]);
                 }
                 let launch = LaunchSettings { samples: most(&tile), ..launch };
-                self.gpu.queue.write_buffer(&buffers.film, 0, bytemuck::cast_slice(&tile));
+                self.send(&buffers, &tile);
                 self.render_tile(&buffers, launch, &mut pace, &mut |samples| {
                     done += samples;
                     progress(done)
                 })?;
-                let rendered: Vec<P> = self.read_back(&buffers, size_of_val(&tile[..]) as u64)?;
-                for (start, row) in starts.zip(rendered.chunks(line)) {
-                    pixels[start..start + line].copy_from_slice(row);
-                }
+                self.read_back(&buffers, size_of_val(&tile[..]) as u64, &mut |rendered| {
+                    let row_bytes = line * size_of::<P>();
+                    for (start, row) in starts.clone().zip(rendered.chunks(row_bytes)) {
+                        // As bytes, because mapped memory need not be aligned for the record.
+                        bytemuck::cast_slice_mut(&mut pixels[start..start + line]).copy_from_slice(row);
+                    }
+                })?;
             }
         }
+        self.kept.bring_back((buffers, pace));
         Ok(())
+    }
+
+    /// Brings the film of a tile to the card.
+    fn send<P: Pod>(&self, buffers: &TileBuffers, tile: &[P]) {
+        let bytes: &[u8] = bytemuck::cast_slice(tile);
+        if bytes.iter().fold(0, |all, byte| all | byte) != 0 {
+            self.gpu.queue.write_buffer(&buffers.film, 0, bytes);
+            return;
+        }
+        // Most films are empty at first; then nothing need travel.
+        let mut encoder = encoder(self.gpu, "empty film");
+        encoder.clear_buffer(&buffers.film, 0, None);
+        self.gpu.queue.submit([encoder.finish()]);
     }
 
     /// Renders all samples of a tile, a few per launch; `report` hears of the samples done.
@@ -140,7 +176,13 @@ impl<'a> TileRenderer<'a> {
         Ok(())
     }
 
-    fn read_back<P: Pod>(&self, buffers: &TileBuffers, size: u64) -> Result<Vec<P>, DeviceError> {
+    /// Lets `use_film` see the bytes of the film of a tile.
+    fn read_back(
+        &self,
+        buffers: &TileBuffers,
+        size: u64,
+        use_film: &mut dyn FnMut(&[u8]),
+    ) -> Result<(), DeviceError> {
         const DOING: &str = "reading the picture back";
         let gpu = self.gpu;
         let mut encoder = encoder(gpu, "read film back");
@@ -161,11 +203,10 @@ impl<'a> TileRenderer<'a> {
             .readback
             .get_mapped_range(0..size)
             .map_err(|error| gpu.failed(DOING, error.to_string()))?;
-        // A copy, because mapped memory need not be aligned for the record.
-        let pixels = bytemuck::pod_collect_to_vec(&view[..]);
+        use_film(&view);
         drop(view);
         buffers.readback.unmap();
-        Ok(pixels)
+        Ok(())
     }
 }
 
