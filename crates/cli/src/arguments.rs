@@ -11,7 +11,7 @@ use crate::option_values::{
 use clap::{ArgAction, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use render::{
     Acceleration, CropWindow, DeviceChoice, Filter, Layers, RenderSettings, Renderer, Sampler, Sampling,
-    StopRule,
+    StopRule, ToneCurve,
 };
 use std::path::PathBuf;
 use std::time::Duration;
@@ -200,6 +200,11 @@ pub struct RenderArguments {
     /// missing; give it to compare pictures. An .exr is never changed
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = parse_exposure)]
     pub exposure: Option<f32>,
+
+    /// What becomes of bright parts of a .png: srgb cuts off what is brighter than white, reinhard bends it down, which
+    /// keeps leaves and lamps from looking burnt and darkens the rest a little. An .exr is never changed
+    #[arg(long, value_name = "CURVE", default_value_t = ToneCurve::default())]
+    pub tone_curve: ToneCurve,
 
     /// Take the colours of images for sRGB, as photographs are stored. GroIMP takes them for linear, which makes
     /// them paler; without this option they look as in GroIMP
@@ -462,6 +467,10 @@ pub struct MergeArguments {
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = parse_exposure)]
     pub exposure: Option<f32>,
 
+    /// What becomes of bright parts of a .png: srgb cuts off what is brighter than white, reinhard bends it down
+    #[arg(long, value_name = "CURVE", default_value_t = ToneCurve::default())]
+    pub tone_curve: ToneCurve,
+
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
@@ -576,6 +585,7 @@ mod tests {
             ["--threads", "0"],
             ["--exposure", "nan"],
             ["--exposure", "inf"],
+            ["--tone-curve", "filmic"],
             ["--device", "tpu"],
             ["--size", "big"],
             ["--output", "picture.jpg"],
@@ -633,6 +643,12 @@ mod tests {
     fn exposures_may_be_negative() {
         assert_eq!(render(&["--exposure", "-1.5"]).unwrap().exposure, Some(-1.5));
         assert_eq!(render(&["--exposure=+2"]).unwrap().exposure, Some(2.0));
+    }
+
+    #[test]
+    fn there_are_two_tone_curves() {
+        assert_eq!(render(&[]).unwrap().tone_curve, ToneCurve::Srgb);
+        assert_eq!(render(&["--tone-curve", "reinhard"]).unwrap().tone_curve, ToneCurve::Reinhard);
     }
 
     #[test]

@@ -95,6 +95,7 @@ fn write_picture(arguments: &MergeArguments, file: FilmFile) -> Result<f32, Fail
         width: film.width,
         height: film.height,
         exposure: arguments.exposure,
+        tone_curve: arguments.tone_curve,
         layers: &Layers::default(),
         origins: &Origins::default(),
         provenance: Some(&provenance),

@@ -13,7 +13,7 @@ use groimp::Project;
 use render::{
     BAND_BYTES, Band, BandStatistics, CompiledScene, Device, DeviceError, Ending, Layers, LoadedScene,
     NoisyPicture, Origins, PictureFormat, PictureTarget, Provenance, ReadyDevice, RenderError,
-    RenderSettings, Samples, Sampling,
+    RenderSettings, Samples, Sampling, ToneCurve,
 };
 use scene::Scene;
 use std::cell::Cell;
@@ -192,6 +192,7 @@ impl<'a> Job<'a> {
                 settings: &plan.settings,
                 output,
                 exposure,
+                tone_curve: arguments.tone_curve,
                 layers,
                 origins: &Origins::of(scene),
                 provenance: &provenance,
@@ -259,6 +260,7 @@ struct Picture<'a> {
     settings: &'a RenderSettings,
     output: &'a Path,
     exposure: Option<f32>,
+    tone_curve: ToneCurve,
     layers: &'a Layers,
     origins: &'a Origins,
     provenance: &'a Provenance,
@@ -280,6 +282,7 @@ impl Picture<'_> {
             width: self.settings.window().width,
             height: self.settings.window().height,
             exposure: self.exposure,
+            tone_curve: self.tone_curve,
             layers: self.layers,
             origins: self.origins,
             provenance: Some(self.provenance),

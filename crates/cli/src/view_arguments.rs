@@ -105,6 +105,7 @@ impl ViewArguments {
             render: self.render.settings(),
             follows_window: self.render.size.is_none(),
             exposure: self.render.exposure,
+            tone_curve: self.render.tone_curve,
             device: self.render.device,
             sun: self.render.daylight.sun,
             turbidity: self.render.daylight.turbidity,
@@ -139,7 +140,7 @@ mod tests {
     use super::*;
     use crate::arguments::{Arguments, Command as Chosen};
     use clap::{CommandFactory, Parser};
-    use render::{DeviceChoice, RenderSettings, Renderer};
+    use render::{DeviceChoice, RenderSettings, Renderer, ToneCurve};
     use scene::{Camera, DVec3, Scene, SunPosition};
     use view::{Sight, SightLine, render_words};
 
@@ -189,6 +190,7 @@ mod tests {
                 ..arguments.render.settings()
             },
             exposure: Some(-0.25),
+            tone_curve: ToneCurve::Reinhard,
             device: DeviceChoice::Cpu,
             sun: Some(SunPosition { azimuth: -12.5, elevation: 30.0 }),
             turbidity: Some(2.5),
@@ -204,6 +206,7 @@ mod tests {
             assert_eq!(read.scene, Path::new("a plant.gsz"));
             assert_eq!(read.settings(), settings.render);
             assert_eq!((read.exposure, read.device), (settings.exposure, settings.device));
+            assert_eq!(read.tone_curve, settings.tone_curve);
             assert_eq!((read.daylight.sun, read.daylight.turbidity), (settings.sun, settings.turbidity));
             let options =
                 groimp::ReadOptions { visible_layers: Some(0b101), ..arguments.render.read_options() };

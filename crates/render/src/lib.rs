@@ -25,6 +25,7 @@ mod renderer;
 mod sampling;
 mod several;
 mod sums;
+mod tone_curve;
 
 pub use bands::{BAND_BYTES, Band, BandStatistics, Samples, Sampling, band_rows, render_bands};
 pub use compile::{Acceleration, CompileError, CompiledScene, View, compile, compile_with};
@@ -47,3 +48,4 @@ pub use rays::WorldRay;
 pub use renderer::Renderer;
 pub use sampling::{CropWindow, Filter, Sampler};
 pub use sums::{BLOCK_SAMPLES, FilmSums, Overlap};
+pub use tone_curve::ToneCurve;

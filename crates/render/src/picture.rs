@@ -8,7 +8,7 @@ mod stream;
 mod whole_file;
 
 use crate::bands::Band;
-use crate::{DeviceError, Film};
+use crate::{DeviceError, Film, ToneCurve};
 use std::error::Error;
 use std::fmt;
 use std::io;
@@ -120,8 +120,8 @@ pub enum RenderError {
     Denoise(#[source] Box<dyn Error + Send + Sync>),
 }
 
-/// Writes a film as the kind of image that the extension of `path` names. `exposure`, in stops, brightens a PNG;
-/// an EXR is never scaled.
+/// Writes a film as the kind of image that the extension of `path` names. `exposure`, in stops, brightens a PNG, which
+/// has the usual tone curve; an EXR is never scaled.
 ///
 /// The file appears under its name only when it is complete.
 ///
@@ -133,6 +133,7 @@ pub fn write_picture(film: &Film, path: &Path, exposure: f32) -> Result<(), Rend
         width: film.width,
         height: film.height,
         exposure: Some(exposure),
+        tone_curve: ToneCurve::default(),
         layers: &Layers::default(),
         origins: &Origins::default(),
         provenance: None,

@@ -7,8 +7,8 @@ use common::garden::garden;
 use common::*;
 use render::{
     Band, BandStatistics, Batch, Device, DeviceChoice, Film, Layers, LoadedScene, Origins, PictureTarget,
-    RenderError, RenderSettings, Sampling, StopRule, compile, open_device, relative_noise, render_bands,
-    stream_picture, write_picture,
+    RenderError, RenderSettings, Sampling, StopRule, ToneCurve, compile, open_device, relative_noise,
+    render_bands, stream_picture, write_picture,
 };
 use scene::{DVec3, LightKind, Phong, Scene, Shape};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -117,6 +117,7 @@ fn stream(path: &Path, settings: &RenderSettings, bytes: u64, layers: &str) -> (
         width: settings.width,
         height: settings.height,
         exposure: None,
+        tone_curve: ToneCurve::default(),
         layers: &layers,
         origins: &Origins::of(&scene),
         provenance: None,
@@ -173,6 +174,7 @@ fn a_rendering_that_fails_leaves_no_file() {
             width: 8,
             height: 32,
             exposure,
+            tone_curve: ToneCurve::default(),
             layers: &layers,
             origins: &origins,
             provenance: None,

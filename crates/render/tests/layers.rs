@@ -9,8 +9,8 @@ use common::*;
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
 use kernels::records::kernel::LayerPixel;
 use render::{
-    Batch, Device, DeviceChoice, Layers, Origins, PictureTarget, RenderSettings, Sampling, compile,
-    open_device, pixel_events, render_bands, stream_picture,
+    Batch, Device, DeviceChoice, Layers, Origins, PictureTarget, RenderSettings, Sampling, ToneCurve,
+    compile, open_device, pixel_events, render_bands, stream_picture,
 };
 use scene::{DVec3, LightKind, Origin, Scene, Shape, TypeNameId};
 use std::collections::HashMap;
@@ -88,6 +88,7 @@ fn layers_of_a_file_hold_what_is_there() {
         width: settings.width,
         height: settings.height,
         exposure: None,
+        tone_curve: ToneCurve::default(),
         layers: &layers,
         origins: &Origins::of(&scene),
         provenance: None,

@@ -3,7 +3,7 @@
 use crate::navigation::Sight;
 use crate::settings::ViewSettings;
 use crate::sight_line::{Extent, SightLine};
-use render::{DeviceChoice, Filter, RenderSettings, Sampler};
+use render::{DeviceChoice, Filter, RenderSettings, Sampler, ToneCurve};
 use scene::DVec3;
 
 /// What was given when the window was opened and stays.
@@ -60,6 +60,9 @@ pub fn render_words(
     }
     if let Some(stops) = settings.exposure {
         option("exposure", stops.to_string());
+    }
+    if settings.tone_curve != ToneCurve::default() {
+        option("tone-curve", settings.tone_curve.to_string());
     }
     if let Some(sun) = settings.sun {
         option("sun", format!("{},{}", sun.azimuth, sun.elevation));
@@ -184,6 +187,7 @@ mod tests {
                 ..RenderSettings::default()
             },
             exposure: Some(-1.25),
+            tone_curve: ToneCurve::Reinhard,
             device: DeviceChoice::Gpu(Some(1)),
             sun: Some(SunPosition { azimuth: 120.0, elevation: 35.5 }),
             turbidity: Some(3.5),
@@ -196,7 +200,7 @@ mod tests {
             shell_line(&words),
             "sunshine render 'my plant.gsz' --srgb-textures --size 640x480 --renderer raytracer --samples 9 --depth 2 \
              --shadow-samples 3 --grid 1 --sampler independent --filter blackman-harris --seed 5 --background 0.5,0,1 \
-             --exposure -1.25 --sun 120,35.5 --turbidity 3.5 --visible-layers 0,1,3 --device gpu:1 --camera-position 0,-5.65685,5.65685 \
+             --exposure -1.25 --tone-curve reinhard --sun 120,35.5 --turbidity 3.5 --visible-layers 0,1,3 --device gpu:1 --camera-position 0,-5.65685,5.65685 \
              --camera-target 0,-4.94975,4.94975 --fov 60 --aperture 0.01 --focus 2.5 -o 'a b.png'"
         );
     }

@@ -1,7 +1,7 @@
 //! What lies between the window and the thread that renders: the window leaves what it wants and never waits.
 
 use crate::shown::Shown;
-use render::{CompiledScene, LoadedScene, RenderSettings};
+use render::{CompiledScene, LoadedScene, RenderSettings, ToneCurve};
 use scene::Camera;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -17,6 +17,8 @@ pub struct Request {
     pub shown: Shown,
     /// In stops; `None` chooses it from the picture.
     pub exposure: Option<f32>,
+    /// What becomes of bright parts.
+    pub tone_curve: ToneCurve,
     /// Whether the camera is in motion.
     pub is_moving: bool,
     /// Whether nobody can see it.
@@ -139,6 +141,7 @@ mod tests {
             settings: RenderSettings::default(),
             shown: Shown::Picture,
             exposure: None,
+            tone_curve: ToneCurve::default(),
             is_moving: false,
             is_hidden: false,
         }
@@ -150,6 +153,7 @@ mod tests {
         desk.ask(request());
         let before = desk.interruptions();
         desk.ask(Request { exposure: Some(1.0), ..request() });
+        desk.ask(Request { tone_curve: ToneCurve::Reinhard, ..request() });
         desk.ask(Request { shown: Shown::Cost, is_moving: true, ..request() });
         assert_eq!(desk.interruptions(), before);
         desk.ask(Request { shown: Shown::Depth, ..request() });

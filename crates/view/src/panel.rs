@@ -11,7 +11,7 @@ use egui::{
     Align, Button, Checkbox, CollapsingHeader, ComboBox, DragValue, Frame, Grid, Label, Layout, Panel,
     ProgressBar, RichText, ScrollArea, Slider, SliderClamping, TextEdit, Ui,
 };
-use render::{DeviceChoice, Filter, Renderer, Sampler};
+use render::{DeviceChoice, Filter, Renderer, Sampler, ToneCurve};
 use scene::{Sky, SunPosition};
 use std::ops::RangeInclusive;
 
@@ -143,6 +143,15 @@ fn picture_settings(ui: &mut Ui, session: &mut Session) {
                 DragValue::new(&mut stops).speed(0.05).range(-30.0..=30.0).fixed_decimals(2).suffix(" EV");
             if ui.add(value).changed() {
                 settings.exposure = Some((stops * 20.0).round() / 20.0);
+            }
+        });
+        ui.end_row();
+
+        ui.label("tone-curve")
+            .on_hover_text("Bright parts: srgb cuts off what is brighter than white, reinhard bends it down");
+        ui.horizontal(|ui| {
+            for curve in ToneCurve::ALL {
+                ui.selectable_value(&mut settings.tone_curve, curve, curve.name());
             }
         });
         ui.end_row();

@@ -89,8 +89,9 @@ impl Refiner {
         let (Some(new), old) = (&self.request, &old) else { return };
         let moved = old.as_ref().is_none_or(|old| old.camera != new.camera);
         let is_same_film = old.as_ref().is_some_and(|old| old.shares_film(new));
-        let is_other_look =
-            old.as_ref().is_some_and(|old| old.shown != new.shown || old.exposure != new.exposure);
+        let is_other_look = old.as_ref().is_some_and(|old| {
+            old.shown != new.shown || old.exposure != new.exposure || old.tone_curve != new.tone_curve
+        });
         let other_renderer = old.as_ref().is_some_and(|old| old.settings.renderer != new.settings.renderer);
         if other_renderer {
             self.schedule.forget_rate();
@@ -203,7 +204,7 @@ impl Refiner {
             if pass.divisor == 1 && samples >= 4 && (is_due || is_done) {
                 self.noise = Some((relative_noise(&self.film), Instant::now()));
             }
-            film_image(&self.film, exposure, request.shown)
+            film_image(&self.film, exposure, request.tone_curve, request.shown)
         };
         let spent = if pass.divisor == 1 { self.sharp_seconds } else { self.seconds };
         let rays = if request.shown.is_layer() { 0 } else { self.film.rays() };
@@ -258,7 +259,7 @@ mod tests {
     use super::*;
     use crate::shown::Shown;
     use kernels::records::kernel::FilmPixel;
-    use render::{CompiledScene, LoadedScene, Progress, View, compile};
+    use render::{CompiledScene, LoadedScene, Progress, ToneCurve, View, compile};
     use scene::{Camera, Scene};
     use std::sync::mpsc::{Receiver, channel};
 
@@ -381,6 +382,7 @@ mod tests {
             settings: RenderSettings { width: 32, height: 24, samples: 9, ..RenderSettings::default() },
             shown: Shown::Picture,
             exposure: Some(0.0),
+            tone_curve: ToneCurve::Srgb,
             is_moving: false,
             is_hidden: false,
         }
@@ -399,6 +401,9 @@ mod tests {
         // Another brightness and another look need no new samples; another size does.
         thread.desk.ask(Request { exposure: Some(-1.0), ..request() });
         assert_eq!(thread.finished().1.image.pixels[0], 0x00bc_bcbc);
+        // 1 becomes (1 + 1/16) / 2.
+        thread.desk.ask(Request { tone_curve: ToneCurve::Reinhard, ..request() });
+        assert_eq!(thread.finished().1.image.pixels[0], 0x00c1_c1c1);
         let settings = RenderSettings { width: 16, ..request().settings };
         thread.desk.ask(Request { settings, ..request() });
         assert_eq!(thread.finished().1.image.width, 16);

@@ -3,7 +3,7 @@
 use crate::events::{Event, Report, explained};
 use render::{
     BAND_BYTES, CompiledScene, ControlFlow, Device, Layers, Origins, PictureTarget, Provenance,
-    RenderSettings, Sampling, render_bands, stream_picture,
+    RenderSettings, Sampling, ToneCurve, render_bands, stream_picture,
 };
 use scene::Camera;
 use std::error::Error;
@@ -23,6 +23,8 @@ pub struct SaveOrder {
     pub camera: Camera,
     /// Brightness of a PNG in stops; chosen from the picture if missing.
     pub exposure: Option<f32>,
+    /// What becomes of bright parts of a PNG.
+    pub tone_curve: ToneCurve,
     /// The command that makes the same picture.
     pub words: Vec<String>,
 }
@@ -52,7 +54,7 @@ fn write(
     record: Provenance,
     report: &Report,
 ) -> Result<(), Box<dyn Error>> {
-    let SaveOrder { path, settings, camera, exposure, words: _ } = order;
+    let SaveOrder { path, settings, camera, exposure, tone_curve, words: _ } = order;
     render::check_writable(path)?;
     let view = scene.view(camera)?;
     let provenance = Provenance {
@@ -68,6 +70,7 @@ fn write(
         width: settings.window().width,
         height: settings.window().height,
         exposure: *exposure,
+        tone_curve: *tone_curve,
         layers: &Layers::default(),
         origins: &Origins::default(),
         provenance: Some(&provenance),

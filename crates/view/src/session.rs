@@ -367,6 +367,7 @@ impl Session {
             settings: self.settings.render.clone(),
             camera: self.navigation.camera(),
             exposure: self.settings.exposure,
+            tone_curve: self.settings.tone_curve,
             words: self.command(),
         };
         self.errands.push(Errand::Save(Box::new(order)));
@@ -430,6 +431,7 @@ impl Session {
             settings: self.settings.shown((width as u32, height as u32)),
             shown: self.shown,
             exposure: self.settings.exposure,
+            tone_curve: self.settings.tone_curve,
             is_moving: self.is_moving(time),
             is_hidden: self.is_hidden,
         })

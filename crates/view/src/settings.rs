@@ -1,6 +1,6 @@
 //! What can be set in the window; every setting has its name on the command line.
 
-use render::{DeviceChoice, RenderSettings};
+use render::{DeviceChoice, RenderSettings, ToneCurve};
 use scene::SunPosition;
 
 /// Everything that can be set besides the camera.
@@ -12,6 +12,8 @@ pub struct ViewSettings {
     pub follows_window: bool,
     /// Brightness in stops; `None` chooses it from the picture.
     pub exposure: Option<f32>,
+    /// What becomes of bright parts.
+    pub tone_curve: ToneCurve,
     /// What computes.
     pub device: DeviceChoice,
     /// Where the sun stands instead of where the project has it, if there is a sky with a sun.
@@ -28,6 +30,7 @@ impl Default for ViewSettings {
             render: RenderSettings::default(),
             follows_window: true,
             exposure: None,
+            tone_curve: ToneCurve::default(),
             device: DeviceChoice::Auto,
             sun: None,
             turbidity: None,

@@ -2,7 +2,7 @@
 
 use crate::canvas::Image;
 use kernels::records::kernel::{FilmPixel, LayerPixel};
-use render::{Film, shown_colour};
+use render::{Film, ToneCurve, shown_colour};
 use std::thread;
 
 /// What is shown.
@@ -61,15 +61,15 @@ impl Shown {
     }
 }
 
-/// A film as it is shown, brightened by `exposure` stops, or what its rays cost.
-pub fn film_image(film: &Film, exposure: f32, shown: Shown) -> Image {
+/// A film as it is shown, brightened by `exposure` stops and bent by `curve`, or what its rays cost.
+pub fn film_image(film: &Film, exposure: f32, curve: ToneCurve, shown: Shown) -> Image {
     let pixels = if shown == Shown::Cost {
         let most = highest(film.pixels.iter().map(rays_per_sample));
         in_parallel(&film.pixels, |pixel| heat(rays_per_sample(pixel) / most))
     } else {
         in_parallel(&film.pixels, |pixel| {
             let scale = 1.0 / pixel.samples.max(1) as f32;
-            packed(shown_colour(pixel.radiance.to_array().map(|sum| sum * scale), exposure))
+            packed(shown_colour(pixel.radiance.to_array().map(|sum| sum * scale), exposure, curve))
         })
     };
     Image { width: film.width as usize, height: film.height as usize, pixels }
@@ -83,7 +83,8 @@ pub fn layer_image(layers: &[LayerPixel], width: usize, shown: Shown) -> Image {
     let pixels = in_parallel(layers, |layer| match shown {
         // Albedo is a share of light, so the encoding of pictures suits it.
         Shown::Albedo | Shown::Picture | Shown::Cost => {
-            packed(shown_colour(layer.albedo.to_array().map(|sum| sum / layer.samples.max(1) as f32), 0.0))
+            let albedo = layer.albedo.to_array().map(|sum| sum / layer.samples.max(1) as f32);
+            packed(shown_colour(albedo, 0.0, ToneCurve::Srgb))
         }
         Shown::Normal if layer.hits > 0 => {
             let sum = layer.normal.to_array();
@@ -168,10 +169,12 @@ mod tests {
             pixel.radiance = [index as f32 * 1e-3, 0.18, 2.0].into();
             pixel.samples = 2;
         }
-        let image = film_image(&film, 1.0, Shown::Picture);
-        assert_eq!((image.width, image.height), (100, 70));
-        for (pixel, radiance) in image.pixels.iter().zip(film.radiances()) {
-            assert_eq!(*pixel, packed(shown_colour(radiance, 1.0)));
+        for curve in ToneCurve::ALL {
+            let image = film_image(&film, 1.0, curve, Shown::Picture);
+            assert_eq!((image.width, image.height), (100, 70));
+            for (pixel, radiance) in image.pixels.iter().zip(film.radiances()) {
+                assert_eq!(*pixel, packed(shown_colour(radiance, 1.0, curve)));
+            }
         }
     }
 
@@ -180,7 +183,7 @@ mod tests {
         let mut film = Film::new(2, 1);
         film.pixels[0].rays = 100;
         film.pixels[0].samples = 10;
-        let image = film_image(&film, 0.0, Shown::Cost);
+        let image = film_image(&film, 0.0, ToneCurve::Srgb, Shown::Cost);
         assert!(image.pixels[0] > 0x00f0_f000 && image.pixels[1] < 0x20, "{:x?}", image.pixels);
     }
 

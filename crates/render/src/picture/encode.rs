@@ -2,8 +2,8 @@
 
 use super::layers::block_bytes;
 use super::stream::PictureTarget;
-use crate::Provenance;
 use crate::bands::Band;
+use crate::{Provenance, ToneCurve};
 use exr::block::chunk::Chunk;
 use exr::block::writer::{ChunksWriter, write_chunks_with};
 use exr::block::{BlockIndex, UncompressedBlock};
@@ -11,7 +11,6 @@ use exr::meta::BlockDescription;
 use exr::meta::attribute::{AttributeValue, ChannelDescription, LineOrder};
 use exr::meta::header::Header;
 use exr::prelude::{Compression, Text, Vec2};
-use kernels::tone::kernel::tone_map;
 use rayon::prelude::*;
 use std::io::{self, Seek, Write};
 
@@ -33,24 +32,28 @@ pub(super) fn png(
     if let Some(provenance) = to.provenance {
         encoder.add_text_chunk("Software".to_owned(), software(provenance))?;
         // In Unicode, as names of scenes are.
-        encoder.add_itxt_chunk(RECORD.to_owned(), format!("{provenance}exposure: {exposure:+.3} stops\n"))?;
+        let mut record = format!("{provenance}exposure: {exposure:+.3} stops\n");
+        // Without the usual one, pictures are byte for byte as they were before there was another.
+        if to.tone_curve != ToneCurve::default() {
+            record += &format!("tone curve: {}\n", to.tone_curve);
+        }
+        encoder.add_itxt_chunk(RECORD.to_owned(), record)?;
     }
     if let Some(denoiser) = to.layers.denoiser() {
         encoder.add_text_chunk("Comment".to_owned(), format!("denoised by {denoiser}"))?;
     }
     let mut writer = encoder.write_header()?;
     let mut stream = writer.stream_writer()?;
-    produce(&mut |radiance| stream.write_all(&shown_colour(radiance, exposure)))?;
+    produce(&mut |radiance| stream.write_all(&shown_colour(radiance, exposure, to.tone_curve)))?;
     stream.finish()?;
     writer.finish()?;
     Ok(())
 }
 
 /// The 8-bit sRGB colour of a radiance in W/(m² sr), brightened by `exposure` stops, as PNGs have it.
-pub fn shown_colour(radiance: [f32; 3], exposure: f32) -> [u8; 3] {
-    let encoded = tone_map(radiance.into(), exposure).to_array();
+pub fn shown_colour(radiance: [f32; 3], exposure: f32, curve: ToneCurve) -> [u8; 3] {
     // The conversion saturates, and takes NaN to 0.
-    encoded.map(|value| (value * 255.0).round() as u8)
+    curve.encode(radiance, exposure).map(|value| (value * 255.0).round() as u8)
 }
 
 /// Shows the radiance of a band's pixels.

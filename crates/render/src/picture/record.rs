@@ -105,7 +105,7 @@ mod tests {
     use super::*;
     use crate::bands::Band;
     use crate::picture::{Layers, Origins, PictureTarget, stream_picture};
-    use crate::{Film, Provenance};
+    use crate::{Film, Provenance, ToneCurve};
 
     fn provenance() -> Provenance {
         Provenance {
@@ -125,6 +125,7 @@ mod tests {
             width: 3,
             height: 2,
             exposure: Some(1.5),
+            tone_curve: ToneCurve::Reinhard,
             layers: &Layers::default().denoised_by("a denoiser".to_owned()),
             origins: &Origins::default(),
             provenance: Some(&provenance()),
@@ -145,6 +146,7 @@ mod tests {
             assert_eq!(read, Provenance { scene: scene.to_owned(), ..provenance() }, "{text}");
             assert!(text.contains("denoised by a denoiser"), "{text}");
             assert_eq!(text.contains("exposure: +1.500 stops"), name == "a.png", "{text}");
+            assert_eq!(text.contains("tone curve: reinhard"), name == "a.png", "{text}");
         }
     }
 

@@ -6,7 +6,7 @@ use super::spool::RadianceSpool;
 use super::whole_file::write_whole_file;
 use super::{PictureError, PictureFormat};
 use crate::bands::Band;
-use crate::{Provenance, RenderError, film};
+use crate::{Provenance, RenderError, ToneCurve, film};
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::Path;
@@ -22,6 +22,8 @@ pub struct PictureTarget<'a> {
     pub height: u32,
     /// Brightness of a PNG in stops; chosen from the picture if missing. An EXR is never scaled.
     pub exposure: Option<f32>,
+    /// What follows the exposure of a PNG.
+    pub tone_curve: ToneCurve,
     /// What an EXR holds beside the picture; a PNG has no place for it.
     pub layers: &'a Layers,
     /// What the numbers in the layers stand for.
