@@ -51,6 +51,8 @@ pub struct FilmSums {
     first: u32,
     /// In the order of their samples, without overlaps; no two of them are halves of the same node.
     parts: Vec<Part>,
+    /// Memory of a part that was joined to another, for the next one.
+    spare: Vec<FilmPixel>,
 }
 
 /// Why two films cannot be joined.
@@ -65,7 +67,7 @@ impl FilmSums {
     /// If it is none.
     pub fn new(pixels: usize, first: u32) -> Self {
         assert!(first.is_multiple_of(BLOCK_SAMPLES), "samples begin with a block");
-        FilmSums { pixels, first, parts: Vec::new() }
+        FilmSums { pixels, first, parts: Vec::new(), spare: Vec::new() }
     }
 
     /// Of parts that are nodes, in the order of their samples; `None` if they are not or overlap.
@@ -74,7 +76,7 @@ impl FilmSums {
         let ordered = parts.windows(2).all(|two| two[0].samples.end <= two[1].samples.start);
         let first = parts.first().map_or(0, |part| part.samples.start);
         (nodes && ordered).then(|| {
-            let mut sums = FilmSums { pixels, first, parts };
+            let mut sums = FilmSums { pixels, first, parts, spare: Vec::new() };
             sums.join_halves();
             sums
         })
@@ -162,7 +164,9 @@ impl FilmSums {
                 part.samples.end += samples;
             }
             None => {
-                let mut pixels = vec![FilmPixel::zeroed(); self.pixels];
+                let mut pixels = std::mem::take(&mut self.spare);
+                pixels.clear();
+                pixels.resize(self.pixels, FilmPixel::zeroed());
                 add(&mut pixels)?;
                 self.parts.push(Part { samples: first_sample..first_sample + samples, pixels });
             }
@@ -239,6 +243,7 @@ impl FilmSums {
             let Some(left) = self.parts.last_mut() else { return };
             add_pixels(&mut left.pixels, &right.pixels);
             left.samples.end = right.samples.end;
+            self.spare = right.pixels;
         }
     }
 

@@ -85,7 +85,7 @@ impl<'a> TileRenderer<'a> {
         let kept = self.kept.take().filter(|(buffers, _)| buffers.film.size() >= size);
         let (buffers, mut pace) = kept.unwrap_or_else(|| (TileBuffers::new(self, size), Pace { samples: 1 }));
         let mut done = 0u64;
-        let mut tile: Vec<P> = Vec::new();
+        let mut gathered: Vec<P> = Vec::new();
         for y in (0..batch.rows).step_by(tile_height as usize) {
             for x in (0..width).step_by(tile_width as usize) {
                 let whole = batch.launch(self.settings);
@@ -99,17 +99,25 @@ impl<'a> TileRenderer<'a> {
                 let line = launch.tile_width as usize;
                 let starts =
                     (y..y + launch.tile_height).map(|row| row as usize * width as usize + x as usize);
-                tile.clear();
-                for start in starts.clone() {
-                    tile.extend_from_slice(&pixels[start..start + line]);
-                }
-                let launch = LaunchSettings { samples: most(&tile), ..launch };
-                self.send(&buffers, &tile);
+                // Tiles as wide as the picture lie in one piece: copies would be new memory for every batch.
+                let tile: &[P] = if line == width as usize {
+                    let first = y as usize * line;
+                    &pixels[first..first + launch.tile_height as usize * line]
+                } else {
+                    gathered.clear();
+                    for start in starts.clone() {
+                        gathered.extend_from_slice(&pixels[start..start + line]);
+                    }
+                    &gathered
+                };
+                let bytes = size_of_val(tile) as u64;
+                let launch = LaunchSettings { samples: most(tile), ..launch };
+                self.send(&buffers, tile);
                 self.render_tile(&buffers, launch, &mut pace, &mut |samples| {
                     done += samples;
                     progress(done)
                 })?;
-                self.read_back(&buffers, size_of_val(&tile[..]) as u64, &mut |rendered| {
+                self.read_back(&buffers, bytes, &mut |rendered| {
                     let row_bytes = line * size_of::<P>();
                     for (start, row) in starts.clone().zip(rendered.chunks(row_bytes)) {
                         // As bytes, because mapped memory need not be aligned for the record.
