@@ -13,9 +13,8 @@ pub(super) struct GpuScene {
     tables: Vec<wgpu::Buffer>,
     /// What the tables contain.
     features: u32,
-    /// From one batch to the next, for pictures and for layers.
+    /// From one batch to the next.
     tile: KeptTile,
-    layer_tile: KeptTile,
 }
 
 impl GpuScene {
@@ -62,8 +61,7 @@ impl GpuScene {
         // Wait until the tables have arrived, so that a lack of memory shows here.
         gpu.queue.submit([]);
         wait(&gpu, "receiving the scene")?;
-        let (tile, layer_tile) = (KeptTile::default(), KeptTile::default());
-        Ok(GpuScene { gpu, tables, features: scene.features, tile, layer_tile })
+        Ok(GpuScene { gpu, tables, features: scene.features, tile: KeptTile::default() })
     }
 }
 
@@ -102,7 +100,9 @@ impl LoadedScene for GpuScene {
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
         let pipeline = self.gpu.pipeline(Program::layers(self.features))?;
-        TileRenderer::new(&self.gpu, &pipeline, &self.tables, settings, &self.layer_tile).render(
+        // Layers are one batch: nothing is kept for the next.
+        let tile = KeptTile::default();
+        TileRenderer::new(&self.gpu, &pipeline, &self.tables, settings, &tile).render(
             batch,
             pixels,
             progress,

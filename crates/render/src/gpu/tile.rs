@@ -29,17 +29,18 @@ pub(super) struct TileRenderer<'a> {
     kept: &'a KeptTile,
 }
 
-/// A tile's memory on the card, and how fast it fills, from one batch of samples to the next: making the memory that
-/// both sides see takes longer than many samples. Whoever renders takes it and brings it back.
+/// A tile's memory on the card, from one batch of samples to the next: making memory that both sides see takes longer
+/// than many samples. Whoever renders takes it and brings it back. How many samples a launch takes is learnt anew: the
+/// next picture may be larger, deeper or closer.
 #[derive(Default)]
-pub(super) struct KeptTile(Mutex<Option<(TileBuffers, Pace)>>);
+pub(super) struct KeptTile(Mutex<Option<TileBuffers>>);
 
 impl KeptTile {
-    fn take(&self) -> Option<(TileBuffers, Pace)> {
+    fn take(&self) -> Option<TileBuffers> {
         self.0.lock().ok()?.take()
     }
 
-    fn bring_back(&self, tile: (TileBuffers, Pace)) {
+    fn bring_back(&self, tile: TileBuffers) {
         if let Ok(mut kept) = self.0.lock() {
             *kept = Some(tile);
         }
@@ -82,8 +83,9 @@ impl<'a> TileRenderer<'a> {
         }
         let (tile_width, tile_height) = self.tile_size(batch, size_of::<P>() as u64);
         let size = u64::from(tile_width) * u64::from(tile_height) * size_of::<P>() as u64;
-        let kept = self.kept.take().filter(|(buffers, _)| buffers.film.size() >= size);
-        let (buffers, mut pace) = kept.unwrap_or_else(|| (TileBuffers::new(self, size), Pace { samples: 1 }));
+        let kept = self.kept.take().filter(|buffers| buffers.film.size() >= size);
+        let buffers = kept.unwrap_or_else(|| TileBuffers::new(self, size));
+        let mut pace = Pace { samples: 1 };
         let mut done = 0u64;
         let mut gathered: Vec<P> = Vec::new();
         for y in (0..batch.rows).step_by(tile_height as usize) {
@@ -126,7 +128,7 @@ impl<'a> TileRenderer<'a> {
                 })?;
             }
         }
-        self.kept.bring_back((buffers, pace));
+        self.kept.bring_back(buffers);
         Ok(())
     }
 
