@@ -42,7 +42,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             [("small", plain, alone), ("large", large, in_turns), ("general", all, in_turns)]
         {
             let wgsl = wgsl.replace(&declaration(all), &declaration(features));
-            std::fs::write(out.join(format!("{kind}_{unit}.rs")), vectorizer::vectorize(&wgsl, options)?)?;
+            let kernels = vectorizer::vectorize(&wgsl, options)?;
+            let text =
+                format!("/// What scenes may have.\npub const FEATURES: u32 = {features};\n\n{kernels}");
+            std::fs::write(out.join(format!("{kind}_{unit}.rs")), text)?;
         }
     }
     Ok(())

@@ -9,78 +9,18 @@
 //
 // This file is included where `kernel`, `unit` and, one module above, `node` are.
 
-use super::super::node::{bytes_in_use, packed_bits, reached_children};
+use super::super::node::reached_children;
 use super::kernel::{self, Found, Globals, Quest, Ray, UniformBuffers};
 use super::unit::{F32, LANES, Mask, U32, widen};
+use crate::cpu::lanes::nodes::{IN_ORDER, LocalRay, Waiting, bytes_in_use, packed_bits};
 use crate::cpu::slices::Slices;
 use bytemuck::cast_ref;
-use kernels::bvh::kernel::{leaf_objects, visiting_order};
+use kernels::bvh::kernel::leaf_objects;
 use kernels::records::kernel::{NODE_INSTANCE, NONE, SHAPE_INSTANCE, SceneAccess};
 use kernels::shape::kernel::{self as shape, transform_ray};
-use kernels::traversal::kernel::{MAX_BVH_DEPTH, inverse_direction};
+use kernels::traversal::kernel::MAX_BVH_DEPTH;
 use lanes::{V3, assign};
 use wgsl_rs::std::vec3f;
-
-/// Bits of children moved to their places in the order of visits, for each of the eight orders.
-static IN_ORDER: [[u8; 256]; 8] = places_in_order();
-
-const fn places_in_order() -> [[u8; 256]; 8] {
-    let mut table = [[0; 256]; 8];
-    let mut order = 0;
-    while order < 8 {
-        let mut children = 0;
-        while children < 256 {
-            let mut child = 0;
-            while child < 8 {
-                if children >> child & 1 != 0 {
-                    table[order][children] |= 1 << (child ^ order);
-                }
-                child += 1;
-            }
-            children += 1;
-        }
-        order += 1;
-    }
-    table
-}
-
-/// A ray in the space of the nodes that are being searched.
-#[derive(Clone, Copy)]
-struct LocalRay {
-    ray: shape::Ray,
-    /// With a fourth number that means nothing.
-    inverse: [f32; 4],
-    origin: [f32; 4],
-    order: u32,
-}
-
-impl LocalRay {
-    #[inline(always)]
-    fn new(ray: shape::Ray) -> Self {
-        let inverse = inverse_direction(ray.direction);
-        let padded = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
-        LocalRay {
-            ray,
-            inverse: padded(inverse.to_array()),
-            origin: padded(ray.origin.to_array()),
-            order: visiting_order(inverse),
-        }
-    }
-}
-
-/// Nodes that wait, as `kernels::bvh::waiting_children` writes them.
-#[derive(Clone, Copy)]
-struct Waiting {
-    first: u32,
-    bits: u32,
-}
-
-impl Waiting {
-    /// A single node.
-    const fn root(index: u32) -> Self {
-        Waiting { first: index, bits: 1 }
-    }
-}
 
 /// Places for nodes that wait: one for each level of both hierarchies, and a power of two so that no place needs to be
 /// checked.

@@ -1,8 +1,27 @@
 //! What all kernels with lanes have in common: how they are included, how pixels are brought to them, and what they call.
 
-/// Defines `render_pixels` for all kinds of scenes, and `Workspaces`.
+/// Defines the kernels of a processor for all kinds of scenes, given the module of its lanes, what it must have, and the
+/// files of the kernels; `render_pixels`, which executes them, and `Workspaces`.
 macro_rules! kernels_of_processor {
-    ($processor:literal) => {
+    ($lanes:path, $processor:literal, $small:literal, $large:literal, $general:literal) => {
+        /// For small scenes of plain materials: every lane searches on its own.
+        mod small {
+            kernels_in_lanes!($lanes, $processor, PLAIN_FEATURES, $small);
+            pub(super) type Workspace = ();
+        }
+
+        /// For large scenes of plain materials: rays take turns.
+        mod large {
+            kernels_in_lanes!($lanes, $processor, PLAIN_FEATURES, $large);
+            search_in_turns!($processor);
+        }
+
+        /// For all scenes: rays take turns.
+        mod general {
+            kernels_in_lanes!($lanes, $processor, ALL_FEATURES, $general);
+            search_in_turns!($processor);
+        }
+
         use super::Kind;
         use crate::cpu::CpuScene;
         use ::kernels::records::kernel::{FilmPixel, LaunchSettings};
@@ -70,9 +89,10 @@ macro_rules! kernels_in_lanes {
     ($lanes:path, $processor:literal, $scene:ident, $file:literal) => {
         #[allow(unused_imports)]
         use crate::cpu::slices::{PLAIN_FEATURES, Slices};
-        use ::kernels::records::kernel::SceneAccess;
         #[allow(unused_imports)]
-        use ::kernels::records::kernel::{ALL_FEATURES, FilmPixel, LaunchSettings};
+        use ::kernels::records::kernel::{
+            ALL_FEATURES, FEATURE_MANY_NODES, FilmPixel, LaunchSettings, SceneAccess,
+        };
         use bytemuck::cast_slice;
         use lanes::{Table, V3};
         use std::cell::RefCell;
@@ -107,6 +127,9 @@ macro_rules! kernels_in_lanes {
             use $lanes::*;
             include!(concat!(env!("OUT_DIR"), $file));
         }
+
+        // `build.rs` and the list of what plain scenes lack must not part.
+        const _: () = assert!((kernel::FEATURES ^ $scene) & !FEATURE_MANY_NODES == 0);
 
         /// Adds the samples of a launch to some pixels, given where they are.
         #[target_feature(enable = $processor)]

@@ -7,6 +7,7 @@
 mod kernels_in_lanes;
 mod avx2;
 mod avx512;
+mod nodes;
 
 use super::{CpuScene, Lanes};
 use crate::Renderer;

@@ -1,4 +1,4 @@
-//! Nodes in the vector unit. Kernels alone call this, which need AVX2 and BMI2 themselves.
+//! Nodes in the vector unit. Kernels alone call this, which need AVX2 themselves.
 
 use std::arch::x86_64::*;
 
@@ -31,21 +31,4 @@ pub(super) fn reached_children(words: &[u32; 20], origin: [f32; 4], inverse: [f3
         let leaves = _mm256_mul_ps(leaves, _mm256_set1_ps(1.000_000_8));
         _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enters, leaves)).cast_unsigned()
     }
-}
-
-/// Which of eight bytes are not zero, as bits.
-#[inline(always)]
-pub(super) fn bytes_in_use(bytes: u64) -> u32 {
-    // SAFETY: see the module.
-    let empty = unsafe {
-        _mm_movemask_epi8(_mm_cmpeq_epi8(_mm_cvtsi64_si128(bytes.cast_signed()), _mm_setzero_si128()))
-    };
-    !empty.cast_unsigned() & 255
-}
-
-/// The bits that are picked by a mask, next to each other.
-#[inline(always)]
-pub(super) fn packed_bits(bits: u32, mask: u32) -> u32 {
-    // SAFETY: see the module.
-    unsafe { _pext_u32(bits, mask) }
 }

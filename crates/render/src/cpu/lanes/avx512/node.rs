@@ -46,17 +46,3 @@ pub(super) fn reached_children(words: &[u32; 20], origin: [f32; 4], inverse: [f3
         u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(enters, leaves))
     }
 }
-
-/// Which of eight bytes are not zero, as bits.
-#[inline(always)]
-pub(super) fn bytes_in_use(bytes: u64) -> u32 {
-    // SAFETY: see the module.
-    unsafe { u32::from(_mm_test_epi8_mask(_mm_cvtsi64_si128(bytes.cast_signed()), _mm_set1_epi8(-1))) & 255 }
-}
-
-/// The bits that are picked by a mask, next to each other.
-#[inline(always)]
-pub(super) fn packed_bits(bits: u32, mask: u32) -> u32 {
-    // SAFETY: see the module.
-    unsafe { _pext_u32(bits, mask) }
-}
