@@ -103,22 +103,31 @@ impl BinaryTree {
         }
     }
 
-    fn count_boxes(&mut self) {
-        // Parents before their children, then backwards.
+    /// All nodes that belong to the tree, children before their parents.
+    pub fn bottom_up(&self) -> impl Iterator<Item = NodeNumber> + use<> {
         let mut visited = Vec::with_capacity(self.nodes.len());
-        let mut open = vec![0];
+        let mut open = vec![self.root()];
         while let Some(number) = open.pop() {
             visited.push(number);
             if let Below::Children(left) = self.nodes[number].below {
                 open.extend([left, left + 1]);
             }
         }
-        for number in visited.into_iter().rev() {
+        visited.into_iter().rev()
+    }
+
+    fn count_boxes(&mut self) {
+        for number in self.bottom_up() {
             self.nodes[number].count = match self.nodes[number].below {
                 Below::Children(left) => self.nodes[left].count + self.nodes[left + 1].count,
                 Below::Box(_) => 1,
             };
         }
+    }
+
+    /// Number of nodes; some may not belong to the tree.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
     }
 
     pub fn root(&self) -> NodeNumber {

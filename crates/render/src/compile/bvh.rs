@@ -1,9 +1,10 @@
 //! The bounding volume hierarchies of the scene and of its groups, laid out for the kernels.
 //!
 //! Binary trees come from `obvhs` ([`binary`](super::binary)); here they are folded into nodes with up to eight
-//! children, the largest boxes opened first.
+//! children ([`collapse`](super::collapse)).
 
 use super::binary::{BinaryTree, NodeNumber, rounded_outwards};
+use super::collapse::Collapse;
 use super::node_encoding::{Child, Content, arrange_in_slots, encode};
 use super::objects::Primitives;
 use super::{Acceleration, count};
@@ -27,8 +28,6 @@ const FEW_OBJECTS: usize = 2;
 /// Objects in a leaf at most; those of eight leaves must fit into the bits of a word. One: a box of its own spares an
 /// object more work than it makes, measured on plants and canopies.
 const LEAF_OBJECTS: usize = 1;
-/// Children of a node.
-const CHILDREN: usize = 8;
 
 /// Arranges the objects of a scene and of its groups. The instances among the objects of the scene name their group
 /// in the field `material`.
@@ -98,13 +97,14 @@ struct Folding<'a> {
 impl Folding<'_> {
     /// Makes the nodes; false if the tree is too deep.
     fn run(&mut self) -> bool {
+        let collapse = Collapse::new(self.tree);
         self.nodes.push(bytemuck::Zeroable::zeroed());
         let mut open = vec![(self.tree.root(), 0usize, 1u32)];
         while let Some((binary, place, depth)) = open.pop() {
             if depth > MAX_BVH_DEPTH {
                 return false;
             }
-            let parts = arrange_in_slots(self.children(binary), |&part| *self.tree.aabb(part));
+            let parts = arrange_in_slots(collapse.children(binary), |&part| *self.tree.aabb(part));
             // Instances stand in the order of objects by themselves, before those of the leaves.
             let first_node = self.nodes.len();
             let mut members = Vec::new();
@@ -155,23 +155,6 @@ impl Folding<'_> {
             _ if objects.iter().any(is_instance) => Leaf::None,
             _ => Leaf::Objects(objects),
         }
-    }
-
-    /// What becomes the children of a node: the parts of a tree, the one with the largest box opened again and again.
-    fn children(&self, binary: NodeNumber) -> Vec<NodeNumber> {
-        let mut children = vec![binary];
-        while children.len() < CHILDREN {
-            let area = |part: NodeNumber| self.tree.aabb(part).half_area();
-            let largest = (0..children.len())
-                .filter(|&place| self.tree.halves(children[place]).is_some())
-                .max_by(|&a, &b| area(children[a]).total_cmp(&area(children[b])));
-            let Some(place) = largest else { break };
-            if let Some([left, right]) = self.tree.halves(children[place]) {
-                children[place] = left;
-                children.push(right);
-            }
-        }
-        children
     }
 }
 

@@ -4,6 +4,7 @@ mod binary;
 mod bvh;
 mod camera;
 mod channels;
+mod collapse;
 mod daylight;
 mod environment;
 mod features;
