@@ -180,16 +180,23 @@ pub(super) fn search(
     };
     let travellers = &mut *globals.host.workspace.borrow_mut();
     (travellers.origin, travellers.direction) = (origin, direction);
-    let mut running = starting.bits();
-    for i in lanes_of(running) {
+    // Rays that can visit a node, in the order of their turns, as a ring; and those that have met objects.
+    let mut queue = [0usize; LANES];
+    let (mut first, mut end_of_queue) = (0, 0);
+    for i in lanes_of(starting.bits()) {
         travellers.rays[i].start(outer(i));
+        queue[end_of_queue % LANES] = i;
+        end_of_queue += 1;
     }
     let mut end = found.hit.shape.t.to_array();
-    let mut waiting = 0;
-    while (running | waiting) != 0 {
-        for i in lanes_of(running) {
-            let traveller = &mut travellers.rays[i];
-            if traveller.step(globals.host.slices, || outer(i), end[i]) {
+    let mut waiting = 0u32;
+    loop {
+        // Without branches that depend on what a ray meets, so that the processor gets far ahead into the next turns.
+        while first != end_of_queue && waiting.count_ones() < ENOUGH {
+            let i = queue[first % LANES];
+            first += 1;
+            let traveller = &mut travellers.rays[i % LANES];
+            if traveller.step(globals.host.slices, || outer(i), end[i % LANES]) {
                 let local = traveller.local.ray;
                 for (axis, value) in local.origin.to_array().into_iter().enumerate() {
                     travellers.origin[axis][i] = value;
@@ -199,12 +206,13 @@ pub(super) fn search(
                 }
             }
             let waits = u32::from(traveller.objects != 0);
-            let ended = u32::from(traveller.stacked == 0);
+            let goes_on = usize::from((traveller.objects == 0) & (traveller.stacked != 0));
             waiting |= waits << i;
-            running &= !((waits | ended) << i);
+            queue[end_of_queue % LANES] = i;
+            end_of_queue += goes_on;
         }
-        if waiting == 0 || waiting.count_ones() < ENOUGH && running != 0 {
-            continue;
+        if waiting == 0 {
+            return found;
         }
         let [mut index, mut instance] = [[0; LANES]; 2];
         for i in lanes_of(waiting) {
@@ -225,14 +233,14 @@ pub(super) fn search(
         end = found.hit.shape.t.to_array();
         for i in lanes_of(waiting) {
             let traveller = &travellers.rays[i];
-            let is_dark = dark >> i & 1;
-            let waits = u32::from(traveller.objects != 0) & !is_dark;
-            let ended = u32::from(traveller.stacked == 0) | is_dark;
-            waiting = waiting & !(1 << i) | waits << i;
-            running |= (1 & !(waits | ended)) << i;
+            let is_light = dark >> i & 1 == 0;
+            let waits = is_light & (traveller.objects != 0);
+            let goes_on = is_light & (traveller.objects == 0) & (traveller.stacked != 0);
+            waiting = waiting & !(1 << i) | u32::from(waits) << i;
+            queue[end_of_queue % LANES] = i;
+            end_of_queue += usize::from(goes_on);
         }
     }
-    found
 }
 
 /// The numbers of the lanes whose bits are set.
