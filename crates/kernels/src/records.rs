@@ -113,8 +113,8 @@ pub mod kernel {
         pub attributes: u32,
     }
 
-    /// An object of the scene.
-    #[repr(C)]
+    /// An object of the scene. Its two parts take a line of a processor's cache each.
+    #[repr(C, align(64))]
     #[derive(Copy, Clone, Debug, Wgsl)]
     pub struct ObjectRecord {
         pub shape: ShapeRecord,

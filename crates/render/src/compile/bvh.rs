@@ -27,7 +27,7 @@ pub(super) struct Hierarchy {
 const FEW_OBJECTS: usize = 2;
 /// Objects in a leaf at most; those of eight leaves must fit into the bits of a word. One: a box of its own spares an
 /// object more work than it makes, measured on plants and canopies.
-const LEAF_OBJECTS: usize = 1;
+pub(crate) const LEAF_OBJECTS: usize = 1;
 
 /// Arranges the objects of a scene and of its groups. The instances among the objects of the scene name their group
 /// in the field `material`.

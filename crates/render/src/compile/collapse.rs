@@ -49,7 +49,7 @@ impl<'a> Collapse<'a> {
     pub fn children(&self, node: NodeNumber) -> Vec<NodeNumber> {
         let Some(halves) = self.tree.halves(node) else { return vec![node] };
         let mut children = Vec::with_capacity(CHILDREN);
-        let mut divide = |[left, right]: [NodeNumber; 2], count: usize| {
+        let divide = |[left, right]: [NodeNumber; 2], count: usize| {
             let first = self.spread([left, right], count).1;
             [(right, count - first), (left, first)]
         };
@@ -129,7 +129,6 @@ mod tests {
             let by_size = folded(&tree, &greedy).0;
             println!("{count}: {surfaces} instead of {by_size}");
             assert!(surfaces <= by_size * 1.0001, "{surfaces} {by_size}");
-            
         }
     }
 }

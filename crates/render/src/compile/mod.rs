@@ -20,6 +20,7 @@ mod texels;
 mod triangles;
 mod unit_shapes;
 
+pub(crate) use bvh::LEAF_OBJECTS;
 pub use camera::View;
 
 use crate::compile::materials::Materials;

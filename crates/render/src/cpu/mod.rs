@@ -16,7 +16,7 @@ use kernels::layers::kernel::layers_of_pixel;
 use kernels::pixel::kernel::render_pixel;
 use kernels::records::kernel::{ALL_FEATURES, FilmPixel, LayerPixel, SceneHeader, launched_samples};
 use rayon::prelude::*;
-use slices::{PLAIN_FEATURES, ShapeLine, leaves_are_single, shape_lines};
+use slices::PLAIN_FEATURES;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -83,9 +83,9 @@ struct CpuScene {
     scene: Arc<CompiledScene>,
     /// That of the scene, or one with another camera.
     header: SceneHeader,
-    /// Of every object.
-    shapes: Vec<ShapeLine>,
-    leaves_are_single: bool,
+    /// Its nodes, if rays take turns in it.
+    #[cfg(target_arch = "x86_64")]
+    lane_nodes: Vec<lanes::LaneNode>,
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
     lanes: Lanes,
 }
@@ -158,25 +158,25 @@ impl LoadedScene for CpuScene {
 
 impl CpuScene {
     fn new(cpu: &Cpu, scene: Arc<CompiledScene>) -> Self {
-        let (shapes, leaves_are_single) =
-            cpu.threads.install(|| (shape_lines(&scene.objects), leaves_are_single(&scene.nodes)));
+        #[cfg(target_arch = "x86_64")]
+        let lane_nodes = cpu.threads.install(|| lanes::lane_nodes(&scene, cpu.lanes));
         CpuScene {
             threads: Arc::clone(&cpu.threads),
             header: scene.header,
             scene,
-            shapes,
-            leaves_are_single,
+            #[cfg(target_arch = "x86_64")]
+            lane_nodes,
             lanes: cpu.lanes,
         }
     }
 
     /// Whether the path tracer for plain scenes suffices.
     fn is_plain(&self) -> bool {
-        self.scene.features & !PLAIN_FEATURES == 0
+        is_plain(&self.scene)
     }
 
     fn slices<const FEATURES: u32>(&self) -> Slices<'_, FEATURES> {
-        Slices::new(&self.scene, &self.header, &self.shapes, self.leaves_are_single)
+        Slices::new(&self.scene, &self.header)
     }
 
     /// Calls `work` for every pixel, tiles spread over the threads; it returns the number of samples that it took.
@@ -276,6 +276,11 @@ impl CpuScene {
         });
         if cancelled.into_inner() { Err(DeviceError::Cancelled) } else { Ok(()) }
     }
+}
+
+/// Whether the path tracer for plain scenes suffices.
+fn is_plain(scene: &CompiledScene) -> bool {
+    scene.features & !PLAIN_FEATURES == 0
 }
 
 /// The tiles side by side in some rows of a picture, each as the pieces of its rows.

@@ -12,14 +12,13 @@
 use super::super::node::reached_children;
 use super::kernel::{self, Found, Globals, Quest, Ray, UniformBuffers};
 use super::unit::{F32, LANES, Mask, U32, widen};
-use crate::cpu::lanes::nodes::{IN_ORDER, LocalRay, Waiting, bytes_in_use, packed_bits};
+use crate::cpu::lanes::nodes::{FURTHER, IN_ORDER, LaneNode, LocalRay, Waiting, fetch_ahead, packed_bits};
 use crate::cpu::slices::Slices;
-use bytemuck::cast_ref;
-use kernels::bvh::kernel::leaf_objects;
 use kernels::records::kernel::{NODE_INSTANCE, NONE, SHAPE_INSTANCE, SceneAccess};
 use kernels::shape::kernel::{self as shape, transform_ray};
 use kernels::traversal::kernel::MAX_BVH_DEPTH;
-use lanes::{V3, assign};
+use lanes::{V3, assign, multiply};
+use std::hint::select_unpredictable;
 use wgsl_rs::std::vec3f;
 
 /// Places for nodes that wait: one for each level of both hierarchies, and a power of two so that no place needs to be
@@ -40,18 +39,17 @@ pub(in super::super) struct Travellers {
 
 impl Default for Travellers {
     fn default() -> Self {
-        let nowhere = LocalRay {
-            ray: shape::Ray { origin: vec3f(0.0, 0.0, 0.0), direction: vec3f(0.0, 0.0, 0.0) },
-            inverse: [0.0; 4],
-            origin: [0.0; 4],
-            order: 0,
-        };
+        let ray = shape::Ray { origin: vec3f(0.0, 0.0, 0.0), direction: vec3f(0.0, 0.0, 1.0) };
         let traveller = Traveller {
-            local: nowhere,
-            stack: [Waiting::root(0); STACK],
+            local: LocalRay::new(ray),
+            stack: [Waiting { first: 0, bits: 0 }; STACK],
             stacked: 0,
+            next: 0,
+            leaves_instance: false,
+            ended: true,
             instance: NONE,
             outside: usize::MAX,
+            outer_order: 0,
             first_object: 0,
             objects: 0,
         };
@@ -65,9 +63,16 @@ struct Traveller {
     local: LocalRay,
     stack: [Waiting; STACK],
     stacked: usize,
+    /// Node of the next turn, which is taken from the stack already, and whether it is none of the instance any more.
+    next: u32,
+    leaves_instance: bool,
+    /// There is no next node.
+    ended: bool,
     /// The instance that is being searched, and how much of the stack belongs to what is outside of it.
     instance: u32,
     outside: usize,
+    /// The order of visits outside of instances.
+    outer_order: u32,
     /// Objects of the last node that are not tested yet.
     first_object: u32,
     objects: u32,
@@ -78,61 +83,81 @@ impl Traveller {
     #[inline(always)]
     fn start(&mut self, ray: shape::Ray) {
         self.local = LocalRay::new(ray);
-        self.stack[0] = Waiting::root(0);
-        self.stacked = 1;
+        self.outer_order = self.local.order;
+        self.stacked = 0;
+        self.next = 0;
+        self.leaves_instance = false;
+        self.ended = false;
         self.instance = NONE;
         self.outside = usize::MAX;
         self.objects = 0;
     }
 
-    /// Visits the next node. Whether the ray now lives in another space.
+    /// Visits the next node; `end` is the parameter of the ray's end times `-FURTHER`. Whether the ray now lives in
+    /// another space.
     #[inline(always)]
     fn step<const FEATURES: u32>(
         &mut self,
         scene: Slices<'_, FEATURES>,
+        nodes: &[LaneNode],
         outer: impl Fn() -> shape::Ray,
-        t_max: f32,
+        end: f32,
     ) -> bool {
         let mut moved = false;
-        if FEATURES & (1 << SHAPE_INSTANCE) != 0 && self.stacked == self.outside {
+        if FEATURES & (1 << SHAPE_INSTANCE) != 0 && self.leaves_instance {
             self.outside = usize::MAX;
             self.instance = NONE;
             self.local = LocalRay::new(outer());
             moved = true;
         }
-        let group = &mut self.stack[(self.stacked - 1) % STACK];
-        let child = group.bits.trailing_zeros() ^ self.local.order;
-        let index = group.first + ((group.bits >> 8) & ((1 << child) - 1)).count_ones();
-        group.bits &= group.bits - 1;
-        self.stacked -= usize::from(group.bits & 255 == 0);
-        let node = &scene.scene().nodes[index as usize];
-        if FEATURES & (1 << SHAPE_INSTANCE) != 0 && node.exponents == NODE_INSTANCE {
+        let node = &nodes[self.next as usize];
+        if FEATURES & (1 << SHAPE_INSTANCE) != 0 && node.nodes == NODE_INSTANCE {
             self.instance = node.first_object;
             self.local = LocalRay::new(transform_ray(
                 SceneAccess::shape(scene, self.instance).object_from_world,
                 outer(),
             ));
             self.outside = self.stacked;
-            self.stack[self.stacked % STACK] = Waiting::root(node.first_node);
-            self.stacked += 1;
+            self.next = node.first_node;
+            self.leaves_instance = false;
             return true;
         }
-        let words: &[u32; 20] = cast_ref(node);
-        let reached = reached_children(words, self.local.origin, self.local.inverse, t_max);
-        let nodes = node.exponents >> 24;
-        let in_order = u32::from(IN_ORDER[self.local.order as usize % 8][(reached & nodes) as usize]);
-        self.stack[self.stacked % STACK] = Waiting { first: node.first_node, bits: in_order | nodes << 8 };
+        let reached = reached_children(node, &self.local, end);
+        let in_order =
+            u32::from(IN_ORDER[self.local.order as usize % 8][(reached & node.nodes) as usize % 256]);
+        self.stack[self.stacked % STACK] =
+            Waiting { first: node.first_node, bits: in_order | node.nodes << 8 };
         self.stacked += usize::from(in_order != 0);
         // Without a branch: whether a ray reaches a leaf is hard to foresee, and known late.
-        let leaves = reached & !nodes;
         self.first_object = node.first_object;
-        self.objects = if scene.leaves_are_single() {
-            let leaf_bytes = u64::from(node.leaves0) | u64::from(node.leaves1) << 32;
-            packed_bits(leaves, bytes_in_use(leaf_bytes))
-        } else {
-            leaf_objects(*node, leaves)
-        };
+        self.objects = packed_bits(reached & node.leaves, node.leaves);
+        self.choose_next::<FEATURES>(nodes);
         moved
+    }
+
+    /// Takes the next node from the stack. Until it is the ray's turn again, the node has time to arrive in the cache.
+    #[inline(always)]
+    fn choose_next<const FEATURES: u32>(&mut self, nodes: &[LaneNode]) {
+        self.ended = self.stacked == 0;
+        let mut order = self.local.order;
+        if FEATURES & (1 << SHAPE_INSTANCE) != 0 {
+            self.leaves_instance = self.stacked == self.outside;
+            order = select_unpredictable(self.leaves_instance, self.outer_order, order);
+        }
+        // If there is none, this is some place that nobody reads.
+        let group = &mut self.stack[self.stacked.wrapping_sub(1) % STACK];
+        let child = group.bits.trailing_zeros() ^ order;
+        let rank = (group.bits >> 8 & (1u32 << (child % 32)).wrapping_sub(1)).count_ones();
+        self.next = group.first.wrapping_add(rank);
+        group.bits &= group.bits.wrapping_sub(1);
+        self.stacked = self.stacked.wrapping_sub(usize::from(group.bits & 255 == 0));
+        fetch_ahead(nodes, self.next);
+    }
+
+    /// The next object to test.
+    #[inline(always)]
+    fn next_object(&self) -> u32 {
+        self.first_object.wrapping_add(self.objects.trailing_zeros())
     }
 }
 
@@ -154,6 +179,7 @@ pub(super) fn search(
     };
     let is_dark = |mask, passed| unsafe { kernel::is_dark(globals, mask, passed) };
     let header = &globals.HEADER;
+    let objects = &globals.host.slices.scene().objects;
     let none = widen(NONE);
     let mut found = Found {
         hit: kernel::Hit {
@@ -188,7 +214,8 @@ pub(super) fn search(
         queue[end_of_queue % LANES] = i;
         end_of_queue += 1;
     }
-    let mut end = found.hit.shape.t.to_array();
+    let end_of = |t: F32| multiply(t, widen(-FURTHER)).to_array();
+    let mut end = end_of(found.hit.shape.t);
     let mut waiting = 0u32;
     loop {
         // Without branches that depend on what a ray meets, so that the processor gets far ahead into the next turns.
@@ -196,7 +223,7 @@ pub(super) fn search(
             let i = queue[first % LANES];
             first += 1;
             let traveller = &mut travellers.rays[i % LANES];
-            if traveller.step(globals.host.slices, || outer(i), end[i % LANES]) {
+            if traveller.step(globals.host.slices, globals.host.nodes, || outer(i), end[i % LANES]) {
                 let local = traveller.local.ray;
                 for (axis, value) in local.origin.to_array().into_iter().enumerate() {
                     travellers.origin[axis][i] = value;
@@ -205,8 +232,9 @@ pub(super) fn search(
                     travellers.direction[axis][i] = value;
                 }
             }
+            fetch_ahead(objects, select_unpredictable(traveller.objects != 0, traveller.next_object(), 0));
             let waits = u32::from(traveller.objects != 0);
-            let goes_on = usize::from((traveller.objects == 0) & (traveller.stacked != 0));
+            let goes_on = usize::from((traveller.objects == 0) & !traveller.ended);
             waiting |= waits << i;
             queue[end_of_queue % LANES] = i;
             end_of_queue += goes_on;
@@ -217,7 +245,7 @@ pub(super) fn search(
         let [mut index, mut instance] = [[0; LANES]; 2];
         for i in lanes_of(waiting) {
             let traveller = &mut travellers.rays[i];
-            index[i] = traveller.first_object + traveller.objects.trailing_zeros();
+            index[i] = traveller.next_object();
             traveller.objects &= traveller.objects - 1;
             instance[i] = traveller.instance;
         }
@@ -230,12 +258,12 @@ pub(super) fn search(
         let met = meet(mask, U32::from_array(instance), U32::from_array(index), local, found);
         assign(mask, &mut found, met);
         let dark = is_dark(mask, found.passed).bits();
-        end = found.hit.shape.t.to_array();
+        end = end_of(found.hit.shape.t);
         for i in lanes_of(waiting) {
             let traveller = &travellers.rays[i];
             let is_light = dark >> i & 1 == 0;
             let waits = is_light & (traveller.objects != 0);
-            let goes_on = is_light & (traveller.objects == 0) & (traveller.stacked != 0);
+            let goes_on = is_light & (traveller.objects == 0) & !traveller.ended;
             waiting = waiting & !(1 << i) | u32::from(waits) << i;
             queue[end_of_queue % LANES] = i;
             end_of_queue += usize::from(goes_on);

@@ -46,10 +46,13 @@ macro_rules! kernels_of_processor {
             pixels: &mut [FilmPixel],
         ) {
             let Workspaces { small, large, general } = workspaces;
+            let nodes = &scene.lane_nodes;
             match kind {
-                Kind::Small => small::render_pixels(scene.slices(), launch, small, places, pixels),
-                Kind::Large => large::render_pixels(scene.slices(), launch, large, places, pixels),
-                Kind::General => general::render_pixels(scene.slices(), launch, general, places, pixels),
+                Kind::Small => small::render_pixels(scene.slices(), nodes, launch, small, places, pixels),
+                Kind::Large => large::render_pixels(scene.slices(), nodes, launch, large, places, pixels),
+                Kind::General => {
+                    general::render_pixels(scene.slices(), nodes, launch, general, places, pixels)
+                }
             }
         }
     };
@@ -87,6 +90,7 @@ macro_rules! search_in_turns {
 /// Defines the module `kernel` with the kernels of a file, and `render_pixels`, which executes them.
 macro_rules! kernels_in_lanes {
     ($lanes:path, $processor:literal, $scene:ident, $file:literal) => {
+        use crate::cpu::lanes::LaneNode;
         #[allow(unused_imports)]
         use crate::cpu::slices::{PLAIN_FEATURES, Slices};
         #[allow(unused_imports)]
@@ -104,6 +108,8 @@ macro_rules! kernels_in_lanes {
         #[allow(dead_code)]
         pub(super) struct Host<'a> {
             pub slices: Slices<'a, $scene>,
+            /// Those of the scene, unless every lane searches on its own.
+            pub nodes: &'a [LaneNode],
             pub workspace: &'a RefCell<Workspace>,
         }
 
@@ -135,6 +141,7 @@ macro_rules! kernels_in_lanes {
         #[target_feature(enable = $processor)]
         pub(super) fn render_pixels(
             slices: Slices<'_, $scene>,
+            nodes: &[LaneNode],
             launch: LaunchSettings,
             workspace: &RefCell<Workspace>,
             places: &[(u32, u32)],
@@ -144,7 +151,7 @@ macro_rules! kernels_in_lanes {
             let (header, launch) = ([SceneAccess::header(slices)], [launch]);
             let settings = kernel::read_SETTINGS(Table::new(cast_slice(&launch)));
             let globals = kernel::Globals {
-                host: Host { slices, workspace },
+                host: Host { slices, nodes, workspace },
                 ATTRIBUTES: Table::new(cast_slice(&scene.attributes)),
                 OBJECTS: Table::new(cast_slice(&scene.objects)),
                 TEXELS: Table::new(&scene.texels),

@@ -9,8 +9,10 @@ mod avx2;
 mod avx512;
 mod nodes;
 
-use super::{CpuScene, Lanes};
-use crate::Renderer;
+pub(super) use nodes::LaneNode;
+
+use super::{CpuScene, Lanes, is_plain};
+use crate::{CompiledScene, Renderer};
 use ::kernels::records::kernel::{FilmPixel, LaunchSettings};
 
 /// Nodes of the largest scenes in which every lane searches on its own: measured, see docs/performance.md.
@@ -25,6 +27,22 @@ enum Kind {
     Large,
     /// All others.
     General,
+}
+
+impl Kind {
+    fn of(scene: &CompiledScene) -> Self {
+        match is_plain(scene) {
+            true if scene.header.nodes <= NODES_IN_LANES => Kind::Small,
+            true => Kind::Large,
+            false => Kind::General,
+        }
+    }
+}
+
+/// The nodes of a scene for searches in turns, if rays take turns in it.
+pub(super) fn lane_nodes(scene: &CompiledScene, allowed: Lanes) -> Vec<LaneNode> {
+    let in_turns = allowed.min(Lanes::supported()) != Lanes::One && Kind::of(scene) != Kind::Small;
+    if in_turns { nodes::lane_nodes(scene) } else { Vec::new() }
 }
 
 impl Lanes {
@@ -65,11 +83,7 @@ impl<'a> LaneScene<'a> {
         renderer: Renderer,
         allowed: Lanes,
     ) -> Option<Self> {
-        let kind = match scene.is_plain() {
-            true if scene.scene.header.nodes <= NODES_IN_LANES => Kind::Small,
-            true => Kind::Large,
-            false => Kind::General,
-        };
+        let kind = Kind::of(&scene.scene);
         let lanes = allowed.min(Lanes::supported());
         let exists = renderer == Renderer::PathTracer && lanes != Lanes::One;
         exists.then_some(LaneScene { scene, kind, launch, lanes })

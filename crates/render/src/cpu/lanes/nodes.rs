@@ -1,9 +1,82 @@
-//! What searches in turns keep of rays and nodes, with any number of lanes.
+//! What searches in turns keep of nodes and rays, with any number of lanes.
 
-use kernels::bvh::kernel::visiting_order;
+use crate::CompiledScene;
+use crate::compile::LEAF_OBJECTS;
+use kernels::bvh::kernel::{cell_edge, visiting_order};
+use kernels::records::kernel::{BvhNode, NODE_INSTANCE};
 use kernels::shape::kernel::Ray;
 use kernels::traversal::kernel::inverse_direction;
-use std::arch::x86_64::*;
+use rayon::prelude::*;
+use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch, _pext_u32};
+
+// Leaves are told apart by bits alone.
+const _: () = assert!(LEAF_OBJECTS == 1);
+
+/// A node of the hierarchy in two lines of the processor's cache, ready for vector units.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(in crate::cpu) struct LaneNode {
+    /// Ends of the children's boxes in x, y and z, in cells: the lower ones, the upper ones, and the lower ones once
+    /// more, so that the ends where a ray enters and those where it leaves stand next to each other for rays of both
+    /// directions.
+    cells: [[u8; 24]; 3],
+    /// As in the kernels' node.
+    pub(super) first_node: u32,
+    pub(super) first_object: u32,
+    /// Corner of the grid of cells, and the edges of a cell. The fourth number means nothing.
+    pub(super) corner: [f32; 4],
+    pub(super) cell: [f32; 4],
+    /// Children that are nodes, as bits; `NODE_INSTANCE` for an instance, which has no boxes.
+    pub(super) nodes: u32,
+    /// Children that are objects, as bits.
+    pub(super) leaves: u32,
+    unused: [u32; 2],
+}
+
+impl LaneNode {
+    fn new(node: &BvhNode) -> Self {
+        let bytes = |words: [u32; 2]| -> [u8; 8] {
+            let [[a, b, c, d], [e, f, g, h]] = words.map(u32::to_le_bytes);
+            [a, b, c, d, e, f, g, h]
+        };
+        let (xy, zx, yz) = (node.low_xy, node.low_z_high_x, node.high_yz);
+        let low = [[xy.x, xy.y], [xy.z, xy.w], [zx.x, zx.y]].map(bytes);
+        let high = [[zx.z, zx.w], [yz.x, yz.y], [yz.z, yz.w]].map(bytes);
+        let mut cells = [[0; 24]; 3];
+        for (cells, (low, high)) in cells.iter_mut().zip(low.iter().zip(&high)) {
+            for (place, end) in cells.iter_mut().zip(low.iter().chain(high).chain(low)) {
+                *place = *end;
+            }
+        }
+        let is_instance = node.exponents == NODE_INSTANCE;
+        let leaf_bytes = bytes([node.leaves0, node.leaves1]);
+        let leaves = (0..).zip(leaf_bytes).map(|(child, leaf)| u32::from(leaf != 0) << child).sum();
+        let edge = |axis: u32| cell_edge(node.exponents >> (8 * axis) & 255);
+        let [x, y, z] = node.origin.to_array();
+        LaneNode {
+            cells,
+            first_node: node.first_node,
+            first_object: node.first_object,
+            corner: [x, y, z, 0.0],
+            cell: [edge(0), edge(1), edge(2), 0.0],
+            nodes: if is_instance { NODE_INSTANCE } else { node.exponents >> 24 },
+            leaves: if is_instance { 0 } else { leaves },
+            unused: [0; 2],
+        }
+    }
+
+    /// Ends of the boxes where a ray enters them, then those where it leaves them, 16 bytes.
+    #[inline(always)]
+    pub(super) fn ends(&self, axis: usize, ray: &LocalRay) -> *const u8 {
+        // In one array, so that 16 bytes from either place are within it.
+        self.cells[axis][ray.sides[axis] as usize % 16..].as_ptr()
+    }
+}
+
+/// Those of a scene.
+pub(super) fn lane_nodes(scene: &CompiledScene) -> Vec<LaneNode> {
+    scene.nodes.par_iter().with_min_len(4096).map(LaneNode::new).collect()
+}
 
 /// Bits of children moved to their places in the order of visits, for each of the eight orders: `kernels::bvh::in_order`
 /// as a table.
@@ -29,13 +102,20 @@ const fn places_in_order() -> [[u8; 256]; 8] {
     table
 }
 
-/// A ray in the space of the nodes that are being searched.
+/// Where a ray leaves a box is taken for so much further than computed: rounding must not hide what is on its surface.
+/// As in `kernels::bvh::reached_boxes`.
+pub(super) const FURTHER: f32 = 1.000_000_8;
+
+/// A ray in the space of the nodes that are being searched. Fourth numbers mean nothing.
 #[derive(Clone, Copy)]
 pub(super) struct LocalRay {
     pub(super) ray: Ray,
-    /// With a fourth number that means nothing.
-    pub(super) inverse: [f32; 4],
-    pub(super) origin: [f32; 4],
+    /// Reciprocals of its direction, then their negatives times `FURTHER`.
+    pub(super) inverse: [[f32; 4]; 2],
+    /// Its origin, twice.
+    pub(super) origin: [[f32; 4]; 2],
+    /// Where the ends of boxes that it meets first begin in `LaneNode::cells`.
+    sides: [u8; 3],
     pub(super) order: u32,
 }
 
@@ -44,10 +124,12 @@ impl LocalRay {
     pub(super) fn new(ray: Ray) -> Self {
         let inverse = inverse_direction(ray.direction);
         let padded = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
+        let numbers = inverse.to_array();
         LocalRay {
             ray,
-            inverse: padded(inverse.to_array()),
-            origin: padded(ray.origin.to_array()),
+            inverse: [padded(numbers), padded(numbers.map(|number| -FURTHER * number))],
+            origin: [padded(ray.origin.to_array()); 2],
+            sides: numbers.map(|number| if number >= 0.0 { 0 } else { 8 }),
             order: visiting_order(inverse),
         }
     }
@@ -60,21 +142,15 @@ pub(super) struct Waiting {
     pub(super) bits: u32,
 }
 
-impl Waiting {
-    /// A single node.
-    pub(super) const fn root(index: u32) -> Self {
-        Waiting { first: index, bits: 1 }
-    }
-}
-
-/// Which of eight bytes are not zero, as bits.
+/// Asks for an entry of a table to be brought into the cache; a number beyond the table does nothing of use or harm.
 #[inline(always)]
-pub(super) fn bytes_in_use(bytes: u64) -> u32 {
-    // SAFETY: every processor of this architecture has SSE2.
-    let empty = unsafe {
-        _mm_movemask_epi8(_mm_cmpeq_epi8(_mm_cvtsi64_si128(bytes.cast_signed()), _mm_setzero_si128()))
-    };
-    !empty.cast_unsigned() & 255
+pub(super) fn fetch_ahead<T>(table: &[T], index: u32) {
+    const LINE: usize = 64;
+    let entry = table.as_ptr().wrapping_add(index as usize).cast::<i8>();
+    for line in 0..size_of::<T>().div_ceil(LINE) {
+        // SAFETY: every processor of this architecture has SSE, and nothing is read.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(entry.wrapping_add(line * LINE)) };
+    }
 }
 
 /// The bits that are picked by a mask, next to each other. Kernels alone call this, which need BMI2 themselves.
@@ -88,6 +164,7 @@ pub(super) fn packed_bits(bits: u32, mask: u32) -> u32 {
 mod tests {
     use super::*;
     use kernels::bvh::kernel::in_order;
+    use wgsl_rs::std::{vec3f, vec4u};
 
     #[test]
     fn the_table_holds_the_orders_of_the_kernel() {
@@ -99,9 +176,33 @@ mod tests {
     }
 
     #[test]
-    fn bytes_are_in_use_where_a_bit_is_set() {
-        assert_eq!(bytes_in_use(0), 0);
-        assert_eq!(bytes_in_use(u64::MAX), 255);
-        assert_eq!(bytes_in_use(0x8000_0100_0000_0020), 0b1010_0001);
+    fn a_node_keeps_what_the_kernels_read() {
+        let node = BvhNode {
+            origin: vec3f(1.0, 2.0, 3.0),
+            exponents: 0b0000_0110 << 24 | 120 << 16 | 126 << 8 | 127,
+            first_node: 7,
+            first_object: 9,
+            leaves0: 1 << 5 | (1 << 5 | 1) << 24,
+            leaves1: 0,
+            low_xy: vec4u(0x0302_0100, 0x0706_0504, 0x1312_1110, 0x1716_1514),
+            low_z_high_x: vec4u(0x2322_2120, 0x2726_2524, 0x8382_8180, 0x8786_8584),
+            high_yz: vec4u(0x9392_9190, 0x9796_9594, 0xa3a2_a1a0, 0xa7a6_a5a4),
+        };
+        let lane = LaneNode::new(&node);
+        assert_eq!((lane.nodes, lane.leaves, lane.first_node, lane.first_object), (6, 0b1001, 7, 9));
+        assert_eq!((lane.corner, lane.cell), ([1.0, 2.0, 3.0, 0.0], [1.0, 0.5, 0.5f32.powi(7), 0.0]));
+        for direction in [vec3f(1.0, 1.0, 1.0), vec3f(-1.0, -1.0, -1.0)] {
+            let ray = LocalRay::new(Ray { origin: vec3f(0.0, 0.0, 0.0), direction });
+            for axis in 0..3u8 {
+                let (low, high) = (16 * axis, 0x80 + 16 * axis);
+                let [enters, leaves] = if direction.x > 0.0 { [low, high] } else { [high, low] };
+                let expected: Vec<u8> = (enters..enters + 8).chain(leaves..leaves + 8).collect();
+                let ends = &lane.cells[usize::from(axis)][usize::from(ray.sides[usize::from(axis)])..][..16];
+                assert_eq!(ends, expected);
+                assert_eq!(lane.ends(axis.into(), &ray), ends.as_ptr());
+            }
+        }
+        let instance = BvhNode { exponents: NODE_INSTANCE, leaves0: 1, ..node };
+        assert_eq!((LaneNode::new(&instance).nodes, LaneNode::new(&instance).leaves), (NODE_INSTANCE, 0));
     }
 }

@@ -1,34 +1,42 @@
 //! Nodes in the vector unit. Kernels alone call this, which need AVX2 themselves.
 
+use crate::cpu::lanes::nodes::{LaneNode, LocalRay};
 use std::arch::x86_64::*;
 
-/// Children of a node, given as its words, that a ray reaches before `t_max`, as bits: the operations of
-/// `kernels::bvh::reached_boxes`, except that the nearer end of a box is the lesser one.
+/// Children of a node that a ray reaches, as bits; `end` is the parameter of its end times `-FURTHER`.
+///
+/// As `kernels::bvh::reached_boxes`, but for rounding, within the cells that boxes are larger than what they hold.
+/// Where a ray leaves a box has the opposite sign, so that the largest number is what counts.
 #[inline(always)]
-pub(super) fn reached_children(words: &[u32; 20], origin: [f32; 4], inverse: [f32; 4], t_max: f32) -> u32 {
-    // SAFETY: see the module; 16 bytes are read at word 0 of 20, 8 bytes at words 8 to 18.
+pub(super) fn reached_children(node: &LaneNode, ray: &LocalRay, end: f32) -> u32 {
+    // SAFETY: see the module; all that is read are arrays of at least the size.
     unsafe {
-        let exponents = _mm_cvtepu8_epi32(_mm_cvtsi32_si128(words[3].cast_signed()));
-        let inverse = _mm_loadu_ps(inverse.as_ptr());
-        let edge = _mm_mul_ps(_mm_castsi128_ps(_mm_slli_epi32::<23>(exponents)), inverse);
-        // The fourth number is of no use.
-        let corner = _mm_loadu_ps(words.as_ptr().cast());
-        let start = _mm_mul_ps(_mm_sub_ps(corner, _mm_loadu_ps(origin.as_ptr())), inverse);
-        let (edge, start) = (_mm256_set_m128(edge, edge), _mm256_set_m128(start, start));
-        let parameters = |word: usize, edge: __m256, start: __m256| {
-            let cells = _mm256_cvtepu8_epi32(_mm_loadl_epi64(words.as_ptr().add(word).cast()));
-            _mm256_add_ps(_mm256_mul_ps(_mm256_cvtepi32_ps(cells), edge), start)
+        let inverse = _mm256_loadu_ps(ray.inverse.as_ptr().cast());
+        let twice = |numbers: &[f32; 4]| _mm256_broadcast_ps(&_mm_loadu_ps(numbers.as_ptr()));
+        let cell = _mm256_mul_ps(twice(&node.cell), inverse);
+        let corner = _mm256_sub_ps(twice(&node.corner), _mm256_loadu_ps(ray.origin.as_ptr().cast()));
+        let start = _mm256_mul_ps(corner, inverse);
+        let half = |numbers: __m256, leaves: bool| {
+            if leaves {
+                _mm256_permute2f128_ps::<0x11>(numbers, numbers)
+            } else {
+                _mm256_permute2f128_ps::<0x00>(numbers, numbers)
+            }
         };
-        let ends = |low: usize, high: usize, edge: __m256, start: __m256| {
-            let (low, high) = (parameters(low, edge, start), parameters(high, edge, start));
-            (_mm256_min_ps(low, high), _mm256_max_ps(low, high))
+        let parameters = |axis: usize, leaves: bool, cell: __m256, start: __m256| {
+            let ends = node.ends(axis, ray).add(if leaves { 8 } else { 0 });
+            let ends = _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(ends.cast())));
+            _mm256_add_ps(_mm256_mul_ps(ends, cell), start)
         };
-        let x = ends(8, 14, _mm256_permute_ps::<0x00>(edge), _mm256_permute_ps::<0x00>(start));
-        let y = ends(10, 16, _mm256_permute_ps::<0x55>(edge), _mm256_permute_ps::<0x55>(start));
-        let z = ends(12, 18, _mm256_permute_ps::<0xaa>(edge), _mm256_permute_ps::<0xaa>(start));
-        let enters = _mm256_max_ps(_mm256_max_ps(x.0, y.0), _mm256_max_ps(z.0, _mm256_setzero_ps()));
-        let leaves = _mm256_min_ps(_mm256_min_ps(x.1, y.1), _mm256_min_ps(z.1, _mm256_set1_ps(t_max)));
-        let leaves = _mm256_mul_ps(leaves, _mm256_set1_ps(1.000_000_8));
+        let largest = |leaves: bool, bound: __m256| {
+            let (cell, start) = (half(cell, leaves), half(start, leaves));
+            let x = parameters(0, leaves, _mm256_permute_ps::<0x00>(cell), _mm256_permute_ps::<0x00>(start));
+            let y = parameters(1, leaves, _mm256_permute_ps::<0x55>(cell), _mm256_permute_ps::<0x55>(start));
+            let z = parameters(2, leaves, _mm256_permute_ps::<0xaa>(cell), _mm256_permute_ps::<0xaa>(start));
+            _mm256_max_ps(_mm256_max_ps(x, y), _mm256_max_ps(z, bound))
+        };
+        let enters = largest(false, _mm256_setzero_ps());
+        let leaves = _mm256_xor_ps(largest(true, _mm256_set1_ps(end)), _mm256_set1_ps(-0.0));
         _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enters, leaves)).cast_unsigned()
     }
 }
