@@ -28,7 +28,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("avx512", "avx512f,avx512bw,avx512dq,avx512vl,avx512cd,bmi1,bmi2,lzcnt,popcnt"),
         ("avx2", "avx2,bmi1,bmi2,lzcnt,popcnt"),
     ] {
-        let alone = vectorizer::Options { roots: &[path_tracer], hooks: &[], target_features };
+        let alone = vectorizer::Options {
+            roots: &[path_tracer],
+            hooks: &[],
+            // Lights are mostly compared for all rays at once, and neighbours often meet the same object.
+            together: &[("light_importance", 0), ("intersect_shape", 1), ("Buffers__1reached_children", 1)],
+            target_features,
+        };
         let in_turns = vectorizer::Options {
             roots: &[
                 path_tracer,
@@ -36,6 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 ("is_dark", &[true]),
             ],
             hooks: &[("search_Buffers", &[false, true, true, true])],
+            together: &[("light_importance", 0)],
             ..alone
         };
         for (kind, features, options) in

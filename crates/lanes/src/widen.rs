@@ -1,7 +1,7 @@
 //! Values that are the same for all rays, given to each. Every kind of lanes has its own trait: a plain number has one
 //! form in each of them.
 
-/// Defines the trait `Widen` and what has it in all kinds of lanes.
+/// Defines the trait `Widen`, what has it in all kinds of lanes, and its opposite.
 macro_rules! widen {
     () => {
         /// A value that is the same for all rays, to be given to each.
@@ -45,6 +45,13 @@ macro_rules! widen {
             fn widen(self) -> Self::Lanes {
                 V4 { x: self.x.widen(), y: self.y.widen(), z: self.z.widen(), w: self.w.widen() }
             }
+        }
+
+        /// The value of the rays that are live, if it is the same for all of them.
+        #[inline(always)]
+        pub fn together(live: Mask, values: U32) -> Option<u32> {
+            let one = values.to_array()[live.bits().trailing_zeros() as usize % LANES];
+            live.without(crate::equal(values, widen(one))).none().then_some(one)
         }
 
         impl Widen for bool {

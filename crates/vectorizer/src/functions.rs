@@ -13,13 +13,17 @@ pub(crate) fn reachable_functions(
     for (name, _) in options.roots.iter().chain(options.hooks) {
         open.push(function_named(module, name)?);
     }
+    for (name, _) in options.together {
+        open.push(function_named(module, &together_name(name))?);
+    }
     while let Some(function) = open.pop() {
         if std::mem::replace(&mut needed[function.index()], true) {
             continue;
         }
         open.extend(called_functions(&module.functions[function].body));
     }
-    // WGSL allows no recursion, and naga keeps functions behind those that they call.
+    // WGSL allows no recursion, and naga keeps functions behind those that they call, but for the other forms of some,
+    // which the order does not matter for.
     Ok(module.functions.iter().map(|(handle, _)| handle).filter(|handle| needed[handle.index()]).collect())
 }
 
@@ -28,6 +32,11 @@ pub(crate) fn function_named(module: &Module, name: &str) -> Result<Handle<Funct
     let mut functions = module.functions.iter();
     let found = functions.find(|(_, function)| function.name.as_deref() == Some(name));
     found.map(|(handle, _)| handle).ok_or_else(|| VectorizeError::MissingFunction { name: name.to_owned() })
+}
+
+/// The form of a function for rays that agree.
+pub(crate) fn together_name(name: &str) -> String {
+    format!("{name}_together")
 }
 
 fn called_functions(body: &Block) -> Vec<Handle<Function>> {

@@ -22,7 +22,7 @@ mod structures;
 mod uniformity;
 
 pub use error::VectorizeError;
-use functions::reachable_functions;
+use functions::{function_named, reachable_functions, together_name};
 use records::Records;
 use std::fmt::Write;
 use uniformity::Uniformity;
@@ -35,6 +35,9 @@ pub struct Options<'a> {
     /// As the roots; where they are called, a function of the same name in `hooks` is called instead, which may call
     /// them in turn.
     pub hooks: &'a [(&'a str, &'a [bool])],
+    /// Functions that are written once more for one of their parameters, of one word or a record, being the same for
+    /// all rays. Where it may differ, the rays are asked whether it does.
+    pub together: &'a [(&'a str, usize)],
     /// What the processor must have, as for `target_feature(enable)`.
     pub target_features: &'a str,
 }
@@ -46,8 +49,13 @@ pub struct Options<'a> {
 /// # Errors
 /// If the text is no valid WGSL, a named function is missing, or something is used that has no lanes.
 pub fn vectorize(wgsl: &str, options: Options<'_>) -> Result<String, VectorizeError> {
-    let module = naga::front::wgsl::parse_str(wgsl)
+    let mut module = naga::front::wgsl::parse_str(wgsl)
         .map_err(|error| VectorizeError::Parse { reason: error.emit_to_string(wgsl) })?;
+    for (name, _) in options.together {
+        let mut copy = module.functions[function_named(&module, name)?].clone();
+        copy.name = Some(together_name(name));
+        module.functions.append(copy, naga::Span::default());
+    }
     let mut validator =
         naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
     let info = validator
@@ -82,10 +90,16 @@ impl Writer<'_> {
         self.options.hooks.iter().any(|(hook, _)| *hook == name)
     }
 
+    /// The parameter that a function has another form for, in which it is the same for all rays.
+    fn together(&self, function: naga::Handle<naga::Function>) -> Option<usize> {
+        let name = self.module.functions[function].name.as_deref().unwrap_or_default();
+        self.options.together.iter().find(|(together, _)| *together == name).map(|(_, argument)| *argument)
+    }
+
     /// `Globals`: the tables as words, and what is the same for all of a launch.
     fn write_globals(&self, text: &mut String) -> Result<(), VectorizeError> {
         text.push_str("/// What the kernels read.\n#[derive(Clone, Copy)]\npub struct Globals<'a> {\n");
-        text.push_str("    pub host: Host<'a>,\n");
+        text.push_str("    pub host: Host<'a>,\n    pub own: &'a Own,\n");
         for (_, global) in self.module.global_variables.iter() {
             let name = global.name.as_deref().unwrap_or_default();
             match global.space {
@@ -100,6 +114,7 @@ impl Writer<'_> {
             }
         }
         text.push_str("}\n\n");
+        self.write_own(text)?;
         for (handle, global) in self.module.global_variables.iter() {
             if global.space == naga::AddressSpace::Uniform {
                 let name = global.name.as_deref().unwrap_or_default();
@@ -115,6 +130,25 @@ impl Writer<'_> {
                 );
             }
         }
+        Ok(())
+    }
+
+    /// `Own`: the private variables, which keep their values from one call to the next.
+    fn write_own(&self, text: &mut String) -> Result<(), VectorizeError> {
+        let (mut fields, mut values) = (String::new(), String::new());
+        for (_, global) in self.module.global_variables.iter() {
+            if global.space == naga::AddressSpace::Private {
+                let name = global.name.as_deref().unwrap_or_default();
+                _ = writeln!(fields, "    pub {name}: RefCell<{}>,", self.type_name(global.ty, false)?);
+                _ = write!(values, " {name}: RefCell::new(Zero::zero()),");
+            }
+        }
+        _ = writeln!(
+            text,
+            "/// What every ray has of its own.\npub struct Own {{\n{fields}}}\n\nimpl Own {{\n    /// All zero.\n    \
+             #[target_feature(enable = \"{}\")]\n    pub fn new() -> Self {{\n        Own {{{values} }}\n    }}\n}}\n",
+            self.options.target_features
+        );
         Ok(())
     }
 }

@@ -70,8 +70,8 @@ impl Writer<'_> {
                         };
                         (Place::Table(place), global.ty)
                     }
-                    // Rays have each their own; nothing is kept from one call to the next.
-                    AddressSpace::Private => (Place::Variable(format!("own_{name}")), global.ty),
+                    // Rays have each their own.
+                    AddressSpace::Private => (Place::Variable(format!("(*own_{name})")), global.ty),
                     _ => return Err(self.unsupported(scope.function, format!("the variable {name}"))),
                 }
             }

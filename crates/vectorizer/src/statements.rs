@@ -5,6 +5,7 @@
 //! `result`. Rays that have left a loop, or only its current round, wait in `left` and `skipped` until its end.
 
 use crate::expressions::Scope;
+use crate::functions::together_name;
 use crate::places::{Place, SHORT_ARRAY};
 use crate::uniformity::{LoopExits, loop_exits};
 use crate::{VectorizeError, Writer};
@@ -77,11 +78,7 @@ impl Writer<'_> {
         for (variable, global) in self.module.global_variables.iter() {
             if global.space == naga::AddressSpace::Private && uses(function, variable) {
                 let name = global.name.as_deref().unwrap_or_default();
-                _ = writeln!(
-                    text,
-                    "    let mut own_{name}: {} = Zero::zero();",
-                    self.type_name(global.ty, false)?
-                );
+                _ = writeln!(text, "    let mut own_{name} = globals.own.{name}.borrow_mut();");
             }
         }
         let mut body = Body { scope, text: String::new(), numbers: 0, has_results: false };
@@ -154,18 +151,11 @@ impl Writer<'_> {
                 Statement::Return { value: Some(value) } => self.write_return(body, *value, position)?,
                 Statement::Store { pointer, value } => self.write_store(body, *pointer, *value, position)?,
                 Statement::Call { function, arguments, result } => {
-                    let mut given = String::new();
-                    let callee = self.uniformity.function(*function);
-                    for (argument, uniform) in arguments.iter().zip(&callee.arguments) {
-                        given.push_str(", ");
-                        given.push_str(&self.value(scope, *argument, *uniform)?);
-                    }
-                    let name = self.module.functions[*function].name.as_deref().unwrap_or_default();
-                    let module = if self.is_hook(*function) { "hooks::" } else { "" };
                     if let Some(result) = result {
                         _ = write!(body.text, "let e{} = ", result.index());
                     }
-                    _ = writeln!(body.text, "{module}{name}(globals, live{given});");
+                    let call = self.call(scope, *function, arguments)?;
+                    _ = writeln!(body.text, "{call};");
                 }
                 other => return Err(self.unsupported(scope.function, format!("{other:?}"))),
             }
@@ -174,6 +164,38 @@ impl Writer<'_> {
             }
         }
         Ok(())
+    }
+
+    /// A call of a function, or of its form for rays that agree.
+    fn call(
+        &self,
+        scope: Scope<'_>,
+        function: Handle<Function>,
+        arguments: &[Handle<Expression>],
+    ) -> Result<String, VectorizeError> {
+        let callee = self.uniformity.function(function);
+        let mut given = Vec::new();
+        for (argument, uniform) in arguments.iter().zip(&callee.arguments) {
+            given.push(self.value(scope, *argument, *uniform)?);
+        }
+        let name = self.module.functions[function].name.as_deref().unwrap_or_default();
+        let module = if self.is_hook(function) { "hooks::" } else { "" };
+        let call = |name: &str, given: &[String]| {
+            let given: String = given.iter().map(|value| format!(", {value}")).collect();
+            format!("{module}{name}(globals, live{given})")
+        };
+        let otherwise = call(name, &given);
+        let Some(agreed) = self.together(function).filter(|agreed| !callee.arguments[*agreed]) else {
+            return Ok(otherwise);
+        };
+        let value = std::mem::replace(&mut given[agreed], "one".to_owned());
+        let together = together_name(name);
+        if self.is_uniform(scope, arguments[agreed]) {
+            given[agreed] = self.value(scope, arguments[agreed], true)?;
+            return Ok(call(&together, &given));
+        }
+        let agree = call(&together, &given);
+        Ok(format!("match together(live, {value}) {{ Some(one) => {agree}, None => {otherwise} }}"))
     }
 
     /// Leaves the block where no ray is live.

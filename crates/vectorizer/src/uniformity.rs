@@ -4,7 +4,7 @@
 //! them, variables that are set where some rays are not. What is found is carried through all functions until nothing
 //! changes.
 
-use crate::functions::function_named;
+use crate::functions::{function_named, together_name};
 use crate::{Options, VectorizeError};
 use naga::{Block, Expression, Function, Handle, Module, Statement};
 use std::collections::HashMap;
@@ -30,6 +30,8 @@ pub(crate) struct LoopExits {
 /// What is uniform in every function.
 pub(crate) struct Uniformity {
     functions: HashMap<Handle<Function>, FunctionUniformity>,
+    /// The forms of functions for rays that agree on a parameter.
+    together: HashMap<Handle<Function>, (Handle<Function>, usize)>,
 }
 
 impl Uniformity {
@@ -48,7 +50,15 @@ impl Uniformity {
             };
             (*handle, facts)
         };
-        let mut found = Uniformity { functions: functions.iter().map(start).collect() };
+        let mut found =
+            Uniformity { functions: functions.iter().map(start).collect(), together: HashMap::new() };
+        for (name, argument) in options.together {
+            let copy = function_named(module, &together_name(name))?;
+            found.together.insert(function_named(module, name)?, (copy, *argument));
+            if let Some(facts) = found.functions.get_mut(&copy) {
+                facts.result = false;
+            }
+        }
         for (name, varying) in options.roots.iter().chain(options.hooks) {
             let handle = function_named(module, name)?;
             if let Some(facts) = found.functions.get_mut(&handle) {
@@ -82,8 +92,12 @@ impl Uniformity {
         let mut changed = facts != self.functions[&handle];
         self.functions.insert(handle, facts);
         for (callee, arguments) in calls {
-            if let Some(facts) = self.functions.get_mut(&callee) {
-                for (uniform, given) in facts.arguments.iter_mut().zip(arguments) {
+            let copy = self.together.get(&callee).copied();
+            let callees = [Some((callee, usize::MAX)), copy].into_iter().flatten();
+            for (callee, agreed) in callees {
+                let Some(facts) = self.functions.get_mut(&callee) else { continue };
+                for (number, (uniform, given)) in facts.arguments.iter_mut().zip(&arguments).enumerate() {
+                    let given = *given || number == agreed;
                     changed |= *uniform && !given;
                     *uniform &= given;
                 }

@@ -6,7 +6,7 @@
 use vectorizer::{Options, VectorizeError, vectorize};
 
 fn written(wgsl: &str, root: (&str, &[bool])) -> Result<String, VectorizeError> {
-    vectorize(wgsl, Options { roots: &[root], hooks: &[], target_features: "avx2" })
+    vectorize(wgsl, Options { roots: &[root], hooks: &[], together: &[], target_features: "avx2" })
 }
 
 #[test]

@@ -29,6 +29,10 @@ const _: () = assert!(STACK > 2 * MAX_BVH_DEPTH as usize);
 /// Rays with objects to test that are waited for before they are tested together.
 const ENOUGH: u32 = LANES as u32 / 2;
 
+/// Where the parts of object records are.
+const SHAPE_LINE: usize = 0;
+const SURFACE_LINE: usize = 1;
+
 /// The rays of all lanes: memory that is used again for every search.
 pub(in super::super) struct Travellers {
     rays: [Traveller; LANES],
@@ -151,7 +155,8 @@ impl Traveller {
         self.next = group.first.wrapping_add(rank);
         group.bits &= group.bits.wrapping_sub(1);
         self.stacked = self.stacked.wrapping_sub(usize::from(group.bits & 255 == 0));
-        fetch_ahead(nodes, self.next);
+        fetch_ahead(nodes, self.next, 0);
+        fetch_ahead(nodes, self.next, 1);
     }
 
     /// The next object to test.
@@ -232,7 +237,8 @@ pub(super) fn search(
                     travellers.direction[axis][i] = value;
                 }
             }
-            fetch_ahead(objects, select_unpredictable(traveller.objects != 0, traveller.next_object(), 0));
+            let object = select_unpredictable(traveller.objects != 0, traveller.next_object(), 0);
+            fetch_ahead(objects, object, SHAPE_LINE);
             let waits = u32::from(traveller.objects != 0);
             let goes_on = usize::from((traveller.objects == 0) & !traveller.ended);
             waiting |= waits << i;
@@ -259,8 +265,10 @@ pub(super) fn search(
         assign(mask, &mut found, met);
         let dark = is_dark(mask, found.passed).bits();
         end = end_of(found.hit.shape.t);
+        let hit = found.hit.object.to_array();
         for i in lanes_of(waiting) {
             let traveller = &travellers.rays[i];
+            fetch_ahead(objects, hit[i], SURFACE_LINE);
             let is_light = dark >> i & 1 == 0;
             let waits = is_light & (traveller.objects != 0);
             let goes_on = is_light & (traveller.objects == 0) & !traveller.ended;

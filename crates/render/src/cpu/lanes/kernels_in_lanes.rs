@@ -150,7 +150,9 @@ macro_rules! kernels_in_lanes {
             let scene = slices.scene();
             let (header, launch) = ([SceneAccess::header(slices)], [launch]);
             let settings = kernel::read_SETTINGS(Table::new(cast_slice(&launch)));
+            let own = kernel::Own::new();
             let globals = kernel::Globals {
+                own: &own,
                 host: Host { slices, nodes, workspace },
                 ATTRIBUTES: Table::new(cast_slice(&scene.attributes)),
                 OBJECTS: Table::new(cast_slice(&scene.objects)),

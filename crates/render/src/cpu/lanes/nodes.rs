@@ -142,15 +142,14 @@ pub(super) struct Waiting {
     pub(super) bits: u32,
 }
 
-/// Asks for an entry of a table to be brought into the cache; a number beyond the table does nothing of use or harm.
+/// Asks for a line of an entry of a table to be brought into the cache; a number beyond the table does nothing of use
+/// or harm.
 #[inline(always)]
-pub(super) fn fetch_ahead<T>(table: &[T], index: u32) {
+pub(super) fn fetch_ahead<T>(table: &[T], index: u32, line: usize) {
     const LINE: usize = 64;
     let entry = table.as_ptr().wrapping_add(index as usize).cast::<i8>();
-    for line in 0..size_of::<T>().div_ceil(LINE) {
-        // SAFETY: every processor of this architecture has SSE, and nothing is read.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(entry.wrapping_add(line * LINE)) };
-    }
+    // SAFETY: every processor of this architecture has SSE, and nothing is read.
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(entry.wrapping_add(line * LINE)) };
 }
 
 /// The bits that are picked by a mask, next to each other. Kernels alone call this, which need BMI2 themselves.
