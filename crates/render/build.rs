@@ -3,6 +3,21 @@
 use std::error::Error;
 use std::path::PathBuf;
 
+/// Functions, and the parameters of them on which rays often agree: lights are mostly compared for all rays at once.
+const LIGHTS: &[(&str, usize)] = &[("light_importance", 0)];
+
+/// In small scenes neighbours often meet the same object, and materials are few.
+const SHADING: &[(&str, usize)] = &[
+    ("sample_plain_light", 0),
+    ("distant_radiance_Buffers", 1),
+    ("material_bsdf_Buffers", 1),
+    ("world_from_unit_Buffers", 2),
+    ("hit_point", 0),
+];
+
+/// The same where every lane searches on its own.
+const SEARCH: &[(&str, usize)] = &[("reached_boxes", 0), ("intersect_shape", 1)];
+
 fn main() -> Result<(), Box<dyn Error>> {
     let source = PathBuf::from("src/gpu/path_tracer.wgsl");
     println!("cargo::rerun-if-changed={}", source.display());
@@ -32,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             roots: &[path_tracer],
             hooks: &[],
             // Lights are mostly compared for all rays at once, and neighbours often meet the same object.
-            together: &[("light_importance", 0), ("intersect_shape", 1), ("Buffers__1reached_children", 1)],
+            together: &[LIGHTS, SHADING, SEARCH].concat(),
             target_features,
         };
         let in_turns = vectorizer::Options {
@@ -42,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 ("is_dark", &[true]),
             ],
             hooks: &[("search_Buffers", &[false, true, true, true])],
-            together: &[("light_importance", 0)],
+            together: LIGHTS,
             ..alone
         };
         for (kind, features, options) in
