@@ -7,6 +7,7 @@
 //! box. What is lost is that errors of neighbouring pixels are opposed, which needs the exact number.
 
 use crate::{Batch, ControlFlow, DeviceError, Film, FilmSums, LoadedScene, Progress, RenderSettings};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// When to stop; at the first of all that is given. At least one pass is made.
@@ -156,11 +157,14 @@ pub fn render_passes(
         }
         let end = sums.end() + wanted;
         while sums.end() < end {
-            let samples = pace.samples.min(end - sums.end()).min(sums.room());
+            let samples = sums.room(pace.samples.min(end - sums.end()));
             let done = pixels * u64::from(sums.samples());
-            let begun = Instant::now();
-            sums.add(scene, settings, &Batch::whole(settings), samples, &|more| progress(done + more))?;
-            pace.learn(samples, begun.elapsed());
+            let watch = Watch::start();
+            sums.add(scene, settings, &Batch::whole(settings), samples, &|more| {
+                watch.note(more);
+                progress(done + more)
+            })?;
+            pace.learn(watch.samples_per_second(pixels * u64::from(samples)) / pixels.max(1) as f64);
             if after(sums).is_break() {
                 return Ok(if sums.end() < end { Ending::Stopped } else { Ending::Complete });
             }
@@ -190,9 +194,44 @@ impl PassPace {
         PassPace { samples: u32::try_from(Self::FIRST / pixels.max(1)).unwrap_or(u32::MAX).max(1) }
     }
 
-    fn learn(&mut self, samples: u32, elapsed: Duration) {
+    fn learn(&mut self, samples_per_second: f64) {
         // Saturates.
-        self.samples = ((f64::from(samples) * Self::SECONDS / elapsed.as_secs_f64().max(1e-6)) as u32).max(1);
+        self.samples = ((samples_per_second * Self::SECONDS) as u32).max(1);
+    }
+}
+
+/// How fast a pass goes.
+struct Watch {
+    start: Instant,
+    /// The first and the last report: when, and how many samples were done.
+    reports: Mutex<Option<[(Instant, u64); 2]>>,
+}
+
+impl Watch {
+    fn start() -> Self {
+        Watch { start: Instant::now(), reports: Mutex::new(None) }
+    }
+
+    fn note(&self, samples: u64) {
+        let mut reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
+        let now = (Instant::now(), samples);
+        match &mut *reports {
+            None => *reports = Some([now, now]),
+            // Reports of several threads may overtake each other.
+            Some([_, last]) if samples > last.1 => *last = now,
+            Some(_) => {}
+        }
+    }
+
+    /// Samples of all pixels in a second, of `all` that were taken. Between the first report and the last if there is
+    /// something to measure: what a device does once for a pass, however long it is, says nothing about the next one.
+    fn samples_per_second(&self, all: u64) -> f64 {
+        let reports = *self.reports.lock().unwrap_or_else(PoisonError::into_inner);
+        let measured = reports.map(|[first, last]| (last.1 - first.1, last.0 - first.0));
+        let (samples, time) = measured
+            .filter(|(samples, time)| *samples >= all / 2 && *time >= Duration::from_millis(1))
+            .unwrap_or((all, self.start.elapsed()));
+        samples as f64 / time.as_secs_f64().max(1e-6)
     }
 }
 
