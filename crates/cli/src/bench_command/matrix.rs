@@ -64,7 +64,8 @@ struct Source {
 /// The scenes that were asked for, under names that differ.
 fn sources(asked: &[PathBuf]) -> Result<Vec<Source>, Failure> {
     if asked.is_empty() {
-        return Ok(BUILT_IN.iter().map(|scene| Source { name: scene.name.to_owned(), path: None }).collect());
+        let usual = BUILT_IN.iter().filter(|scene| !scene.is_huge);
+        return Ok(usual.map(|scene| Source { name: scene.name.to_owned(), path: None }).collect());
     }
     let mut sources: Vec<Source> = Vec::new();
     for path in asked {
