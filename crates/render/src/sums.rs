@@ -132,18 +132,29 @@ impl FilmSums {
     /// How many of the `wanted` next samples can be added at once: the largest node of the tree that begins with them, or
     /// what the last block still takes.
     pub fn room(&self, wanted: u32) -> u32 {
-        let begun = self.end() % BLOCK_SAMPLES;
-        if begun == 0 {
-            return largest_node(self.end(), wanted);
+        match self.begun() {
+            0 => largest_node(self.end(), wanted),
+            begun => wanted.min(BLOCK_SAMPLES - begun),
         }
-        let again = largest_node(self.end() - begun, wanted.saturating_add(begun));
-        if again > BLOCK_SAMPLES && begun <= again / WORTH_MOVING {
-            return again - begun;
-        }
-        wanted.min(BLOCK_SAMPLES - begun)
     }
 
-    /// Adds the next `samples` of rows of a picture, at most [`FilmSums::room`]. After an error all is as before.
+    /// As [`FilmSums::room`] if what there is of the last block may be rendered again with the next samples: in a node
+    /// that begins with it, if there is one larger than a block.
+    pub fn room_anew(&self, wanted: u32) -> u32 {
+        let begun = self.begun();
+        match largest_node(self.end() - begun, wanted.saturating_add(begun)) {
+            node if begun > 0 && node > BLOCK_SAMPLES => node - begun,
+            _ => self.room(wanted),
+        }
+    }
+
+    /// Samples in the last block if it is not full.
+    pub fn begun(&self) -> u32 {
+        self.end() % BLOCK_SAMPLES
+    }
+
+    /// Adds the next `samples` of rows of a picture, at most [`FilmSums::room`]; or exactly [`FilmSums::room_anew`] of
+    /// them. After an error all is as before.
     ///
     /// # Errors
     /// As [`LoadedScene::add_samples`].
@@ -155,8 +166,8 @@ impl FilmSums {
         samples: u32,
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        let samples = self.room(samples);
-        let (begun, end) = (self.end() % BLOCK_SAMPLES, self.end() + samples);
+        let samples = if samples == self.room_anew(samples) { samples } else { self.room(samples) };
+        let (begun, end) = (self.begun(), self.end() + samples);
         let continues = begun > 0 && begun + samples <= BLOCK_SAMPLES;
         let first_sample = if continues { self.end() } else { self.end() - begun };
         let batch = Batch { first_sample, samples: end - first_sample, counted: false, ..*rows };
@@ -283,10 +294,6 @@ fn are_halves(left: &Range<u32>, right: &Range<u32>) -> bool {
         && is_node(&(left.start..right.end))
         && left.end - left.start == right.end - right.start
 }
-
-/// The beginning of a block that is less than this part of a node is rendered again with the rest of it, because that
-/// takes less time than bringing its film to a graphics card and back.
-const WORTH_MOVING: u32 = 16;
 
 /// Samples of the largest node from `first` on, the beginning of a block, with at most `wanted` samples; or `wanted` if
 /// they are no block.
@@ -437,10 +444,12 @@ mod tests {
         assert_eq!([10, 1000].map(|wanted| begun(0..64).room(wanted)), [10, 64]);
         assert_eq!([100, 1000].map(|wanted| begun(0..128).room(wanted)), [64, 128]);
         assert_eq!([64, u32::MAX].map(|wanted| FilmSums::new(3, 192).room(wanted)), [64, 64]);
-        // A block that was begun is filled, unless what is there is little of what can be added at once.
-        assert_eq!([10, 500, 1000].map(|wanted| begun(0..40).room(wanted)), [10, 24, 984]);
-        assert_eq!([60, 123, 124, 252].map(|wanted| begun(0..4).room(wanted)), [60, 60, 124, 252]);
-        assert_eq!(begun(0..68).room(1000), 60);
+        // A block that was begun is filled, or rendered again.
+        assert_eq!([10, 1000].map(|wanted| begun(0..40).room(wanted)), [10, 24]);
+        assert_eq!([60, 123, 124, 252].map(|wanted| begun(0..4).room_anew(wanted)), [60, 60, 124, 252]);
+        assert_eq!(begun(0..68).room_anew(1000), 60);
+        assert_eq!([10, 1000].map(|wanted| begun(0..64).room_anew(wanted)), [10, 64]);
+        assert_eq!([1, 1000].map(|wanted| none.room_anew(wanted)), [1, 512]);
     }
 
     #[test]
