@@ -229,7 +229,7 @@ pub trait LoadedScene: Send + Sync {
         pixels: &mut [FilmPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        sum_of_parts(batch, BLOCK_SAMPLES, pixels, progress, &|block, pixels, progress| {
+        sum_of_parts(batch, BLOCK_SAMPLES, pixels, progress, |block, pixels, progress| {
             pixels.fill(FilmPixel::zeroed());
             self.add_samples(settings, block, pixels, progress)
         })

@@ -311,7 +311,7 @@ pub(crate) fn sum_of_parts(
     part_samples: u32,
     pixels: &mut [FilmPixel],
     progress: &Progress<'_>,
-    sum_part: &dyn Fn(&Batch, &mut [FilmPixel], &Progress<'_>) -> Result<(), DeviceError>,
+    sum_part: impl Fn(&Batch, &mut [FilmPixel], &Progress<'_>) -> Result<(), DeviceError>,
 ) -> Result<(), DeviceError> {
     let count = pixels.len() as u64;
     // Left halves whose right ones are still to come, after the first, which is in `pixels`.

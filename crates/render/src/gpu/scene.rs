@@ -147,7 +147,7 @@ impl LoadedScene for GpuScene {
             settings,
             kept: &self.tile,
         };
-        sum_of_parts(batch, MOST_SAMPLES, pixels, progress, &|part, pixels, progress| {
+        sum_of_parts(batch, MOST_SAMPLES, pixels, progress, |part, pixels, progress| {
             self.count(renderer.sum(part, pixels, progress)?);
             Ok(())
         })
