@@ -9,7 +9,8 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub struct MatrixArguments {
     /// GroIMP projects, or names of scenes that are built in: cornell-box, bush-7, bush-25, bush-85, bush-271, bush-841,
-    /// canopy (100,000 leaves), plantation (bushes with a million objects) [default: all that are built in]
+    /// canopy (100,000 leaves), plantation (bushes with a million objects), forest (with a thousand million) [default: all
+    /// that are built in but the forest]
     #[arg(value_name = "PROJECT")]
     pub scenes: Vec<PathBuf>,
 

@@ -42,6 +42,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Answer, Failure> {
     statistics.triangles = scene.triangles();
     statistics.exposure = made.stops.filter(|_| job.format.is_some_and(PictureFormat::is_exposed));
     statistics.seconds = job.seconds;
+    statistics.device_seconds = loaded.device_seconds();
     if let Some(path) = &arguments.stats {
         statistics.write(path)?;
     }

@@ -45,6 +45,9 @@ pub struct Statistics {
     pub exposure: Option<f32>,
     /// Wall-clock times.
     pub seconds: Seconds,
+    /// What the device's own clock says of the samples that were taken now, in seconds; missing where it has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device_seconds: Option<f64>,
     /// Most memory that the program had at any time; missing where the system does not tell.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_memory_bytes: Option<u64>,
@@ -72,6 +75,7 @@ impl Statistics {
             denoiser: None,
             exposure: None,
             seconds: Seconds::default(),
+            device_seconds: None,
             peak_memory_bytes: peak_memory_bytes(),
         }
     }
@@ -179,6 +183,7 @@ mod tests {
         );
         statistics.peak_memory_bytes = None;
         let json = serde_json::to_value(&statistics).unwrap();
+        assert!(json.get("device_seconds").is_none());
         assert!(json.get("peak_memory_bytes").is_none() && json.get("exposure").is_none());
         assert_eq!((json["width"].as_u64(), json["samples"].as_u64()), (Some(4), Some(0)));
         for step in ["read", "compile", "upload", "render", "denoise", "write"] {

@@ -202,6 +202,8 @@ fn the_cornell_box_becomes_a_png_named_after_it_with_statistics() {
     for step in ["read", "compile", "upload", "render", "write"] {
         assert!(stats["seconds"][step].as_f64() >= Some(0.0), "{stats}");
     }
+    // Processors have no clock of their own.
+    assert!(stats.get("device_seconds").is_none(), "{stats}");
 }
 
 #[test]

@@ -35,6 +35,7 @@ pub mod shading;
 pub mod shape;
 pub mod sky;
 pub mod sobol;
+pub mod sums;
 pub mod texture;
 pub mod tone;
 pub mod traversal;

@@ -1,6 +1,8 @@
 //! What every device can do.
 
+use crate::sums::{BLOCK_SAMPLES, sum_of_parts};
 use crate::{CompiledScene, CropWindow, Film, FilmSums, Filter, Renderer, Sampler, View};
+use bytemuck::Zeroable;
 use kernels::records::kernel::{FilmPixel, LaunchSettings, LayerPixel};
 use std::sync::Arc;
 
@@ -212,6 +214,33 @@ pub trait LoadedScene: Send + Sync {
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError>;
 
+    /// Overwrites `pixels` with the sums of a batch, which is not counted and a node of the tree of
+    /// [`FilmSums`]: whatever the device, the sums are those of its blocks. After an error the pixels may be anything.
+    ///
+    /// # Errors
+    /// As [`LoadedScene::add_samples`].
+    ///
+    /// # Panics
+    /// If the number of pixels is not that of the batch.
+    fn sum_node(
+        &self,
+        settings: &RenderSettings,
+        batch: &Batch,
+        pixels: &mut [FilmPixel],
+        progress: &Progress<'_>,
+    ) -> Result<(), DeviceError> {
+        sum_of_parts(batch, BLOCK_SAMPLES, pixels, progress, |block, pixels, progress| {
+            pixels.fill(FilmPixel::zeroed());
+            self.add_samples(settings, block, pixels, progress)
+        })
+    }
+
+    /// Seconds that the device has spent on samples of this scene so far by its own clock, with none of what travels
+    /// to it and back; `None` if it has no clock.
+    fn device_seconds(&self) -> Option<f64> {
+        None
+    }
+
     /// What went wrong since the last question although the work was done: devices that are left out.
     fn failures(&self) -> Vec<String> {
         Vec::new()
@@ -267,6 +296,20 @@ pub enum DeviceError {
         needed: u64,
         /// What the device takes.
         limit: u64,
+    },
+    /// The graphics card has too little memory.
+    #[error(
+        "the GPU {device} has no memory left for {what}, {:.1} MB; other programs may be using it. `--device cpu` \
+         renders without it",
+        *.needed as f64 / 1e6
+    )]
+    OutOfMemory {
+        /// Which one.
+        device: String,
+        /// What it should have held.
+        what: &'static str,
+        /// Size of that in bytes.
+        needed: u64,
     },
     /// Threads could not be started.
     #[error("the CPU threads could not be started: {reason}")]

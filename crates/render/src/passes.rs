@@ -7,6 +7,7 @@
 //! box. What is lost is that errors of neighbouring pixels are opposed, which needs the exact number.
 
 use crate::{Batch, ControlFlow, DeviceError, Film, FilmSums, LoadedScene, Progress, RenderSettings};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// When to stop; at the first of all that is given. At least one pass is made.
@@ -156,11 +157,18 @@ pub fn render_passes(
         }
         let end = sums.end() + wanted;
         while sums.end() < end {
-            let samples = pace.samples.min(end - sums.end()).min(sums.room());
+            let most = pace.samples.min(end - sums.end());
+            let samples = match pace.is_rather_repeated(sums.begun()) {
+                true => sums.room_anew(most),
+                false => sums.room(most),
+            };
             let done = pixels * u64::from(sums.samples());
-            let begun = Instant::now();
-            sums.add(scene, settings, &Batch::whole(settings), samples, &|more| progress(done + more))?;
-            pace.learn(samples, begun.elapsed());
+            let watch = Watch::start();
+            sums.add(scene, settings, &Batch::whole(settings), samples, &|more| {
+                watch.note(more);
+                progress(done + more)
+            })?;
+            pace.learn(&watch.finish(pixels, samples));
             if after(sums).is_break() {
                 return Ok(if sums.end() < end { Ending::Stopped } else { Ending::Complete });
             }
@@ -176,6 +184,7 @@ fn noise_so_far(settings: &RenderSettings, sums: &FilmSums) -> f64 {
 /// Samples per pixel that are taken before somebody is asked whether to go on.
 struct PassPace {
     samples: u32,
+    last: PassTime,
 }
 
 impl PassPace {
@@ -187,12 +196,75 @@ impl PassPace {
     const FIRST: u64 = 1 << 22;
 
     fn new(pixels: u64) -> Self {
-        PassPace { samples: u32::try_from(Self::FIRST / pixels.max(1)).unwrap_or(u32::MAX).max(1) }
+        let samples = u32::try_from(Self::FIRST / pixels.max(1)).unwrap_or(u32::MAX).max(1);
+        PassPace { samples, last: PassTime::default() }
     }
 
-    fn learn(&mut self, samples: u32, elapsed: Duration) {
+    fn learn(&mut self, pass: &PassTime) {
         // Saturates.
-        self.samples = ((f64::from(samples) * Self::SECONDS / elapsed.as_secs_f64().max(1e-6)) as u32).max(1);
+        self.samples = ((Self::SECONDS / pass.sample.max(1e-9)) as u32).max(1);
+        self.last = *pass;
+    }
+
+    /// Whether so many samples per pixel take less time than bringing their film to the device and back.
+    fn is_rather_repeated(&self, samples: u32) -> bool {
+        f64::from(samples) * self.last.sample < self.last.once
+    }
+}
+
+/// Seconds of a pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct PassTime {
+    /// For a sample of all pixels.
+    sample: f64,
+    /// For what is done once, however many samples there are.
+    once: f64,
+}
+
+/// How fast a pass goes.
+struct Watch {
+    start: Instant,
+    /// The first and the last report: when, and how many samples of all pixels were done.
+    reports: Mutex<Option<[(Instant, u64); 2]>>,
+}
+
+impl Watch {
+    fn start() -> Self {
+        Watch { start: Instant::now(), reports: Mutex::new(None) }
+    }
+
+    fn note(&self, samples: u64) {
+        let mut reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
+        let now = (Instant::now(), samples);
+        match &mut *reports {
+            None => *reports = Some([now, now]),
+            // Reports of several threads may overtake each other.
+            Some([_, last]) if samples > last.1 => *last = now,
+            Some(_) => {}
+        }
+    }
+
+    /// The time of so many samples of so many pixels.
+    fn finish(self, pixels: u64, samples: u32) -> PassTime {
+        let all = self.start.elapsed().as_secs_f64();
+        let reports = self.reports.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let between =
+            reports.map(|[first, last]| ((last.0 - first.0).as_secs_f64(), (last.1 - first.1) as f64));
+        pass_time(all, f64::from(samples), between, pixels as f64)
+    }
+}
+
+/// Divides the seconds of a pass, given those between its first report and its last with the samples of all pixels that
+/// were taken meanwhile. If that is nothing to judge by, all of it is for the samples.
+fn pass_time(all: f64, samples: f64, between: Option<(f64, f64)>, pixels: f64) -> PassTime {
+    /// Shorter times are those of the clock.
+    const SHORTEST: f64 = 2e-4;
+    match between.filter(|(time, taken)| *time >= SHORTEST && 2.0 * taken >= samples * pixels) {
+        Some((time, taken)) => {
+            let sample = time / taken * pixels;
+            PassTime { sample, once: (all - samples * sample).max(0.0) }
+        }
+        None => PassTime { sample: all / samples.max(1.0), once: 0.0 },
     }
 }
 
@@ -249,6 +321,24 @@ mod tests {
         // Continued: the time is that of the new samples.
         assert_eq!(rule.next_pass(100, 0, Duration::ZERO, None), 1);
         assert_eq!(rule.next_pass(107, 7, 7 * SECOND, None), 3);
+    }
+
+    #[test]
+    fn what_is_done_once_says_nothing_about_the_next_pass() {
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+        // 4 samples of 100 pixels in 40 ms; the last 3 of them took 3 ms.
+        let pass = pass_time(0.040, 4.0, Some((0.003, 300.0)), 100.0);
+        assert!(near(pass.sample, 0.001) && near(pass.once, 0.036), "{pass:?}");
+        let mut pace = PassPace::new(100);
+        assert!(!pace.is_rather_repeated(0) && !pace.is_rather_repeated(4));
+        pace.learn(&pass);
+        assert_eq!(pace.samples, 2000);
+        assert!(pace.is_rather_repeated(4) && !pace.is_rather_repeated(40));
+        // One report, or most of it before the first one: then all of the time is for the samples.
+        for between in [None, Some((0.0, 0.0)), Some((0.001, 100.0)), Some((0.0001, 300.0))] {
+            let pass = pass_time(0.040, 4.0, between, 100.0);
+            assert!(near(pass.sample, 0.010) && pass.once == 0.0, "{pass:?}");
+        }
     }
 
     #[test]

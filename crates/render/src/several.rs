@@ -112,13 +112,15 @@ impl Several {
         self.members.iter().chain(self.stand_in.get()).filter(|member| member.is_alive()).collect()
     }
 
-    /// Renders rows on all devices; those that fail are left out.
+    /// Renders rows on all devices; those that fail are left out. `overwrites` if the work does not look at what the
+    /// pixels are beforehand.
     fn share_out<P: Pod + Send>(
         &self,
         settings: &RenderSettings,
         batch: &Batch,
         pixels: &mut [P],
         progress: &Progress<'_>,
+        overwrites: bool,
         work: &Work<'_, P>,
     ) -> Result<(), DeviceError> {
         assert_eq!(pixels.len(), batch.pixels(settings), "pixels of a batch");
@@ -128,6 +130,7 @@ impl Several {
             batch,
             width,
             progress,
+            overwrites,
             work,
             queue: Mutex::new(Queue { next: 0, rows: batch.rows, returned: Vec::new() }),
             pixels: Mutex::new(pixels),
@@ -202,6 +205,7 @@ struct Run<'a, P> {
     batch: &'a Batch,
     width: usize,
     progress: &'a Progress<'a>,
+    overwrites: bool,
     work: &'a Work<'a, P>,
     queue: Mutex<Queue>,
     pixels: Mutex<&'a mut [P]>,
@@ -232,10 +236,23 @@ impl<P: Pod + Send> Run<'_, P> {
         }
     }
 
-    /// Renders some rows of the batch in a copy, which takes their place only when it is complete.
+    /// Renders some rows of the batch in a copy, which takes their place only when it is complete; or in their place if
+    /// that is all of them and what they were is of no interest.
     fn render(&self, member: &Member, rows: &Range<u32>) -> Result<(), DeviceError> {
         let place = rows.start as usize * self.width..rows.end as usize * self.width;
-        let mut copy = lock(&self.pixels)[place.clone()].to_vec();
+        let mut all = lock(&self.pixels);
+        if self.overwrites && place.len() == all.len() {
+            // Nobody else has rows meanwhile.
+            return self.render_in(member, rows, &mut all);
+        }
+        let mut copy = all[place.clone()].to_vec();
+        drop(all);
+        self.render_in(member, rows, &mut copy)?;
+        lock(&self.pixels)[place].copy_from_slice(&copy);
+        Ok(())
+    }
+
+    fn render_in(&self, member: &Member, rows: &Range<u32>, pixels: &mut [P]) -> Result<(), DeviceError> {
         let count = rows.end - rows.start;
         let batch = Batch { first_row: self.batch.first_row + rows.start, rows: count, ..*self.batch };
         let tile = match member.tile.load(Ordering::Relaxed) {
@@ -251,16 +268,15 @@ impl<P: Pod + Send> Run<'_, P> {
             (self.progress)(self.done.fetch_add(more, Ordering::Relaxed) + more)
         };
         let start = Instant::now();
-        let result = (self.work)(member.scene.as_ref(), &settings, &batch, &mut copy, &report);
+        let result = (self.work)(member.scene.as_ref(), &settings, &batch, pixels, &report);
         if let Err(error) = result {
             self.done.fetch_sub(reported.into_inner(), Ordering::Relaxed);
             return Err(error);
         }
-        let work = place.len() as f64 * f64::from(batch.samples);
+        let work = pixels.len() as f64 * f64::from(batch.samples);
         let speed = work / start.elapsed().as_secs_f64().max(1e-6);
         member.speed.store(speed.to_bits(), Ordering::Relaxed);
         tracing::trace!("{}: rows {}..{}, {speed:.0} samples/s", member.name, rows.start, rows.end);
-        lock(&self.pixels)[place].copy_from_slice(&copy);
         Ok(())
     }
 }
@@ -302,9 +318,31 @@ impl LoadedScene for Several {
         pixels: &mut [FilmPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        self.share_out(settings, batch, pixels, progress, &|scene, settings, batch, pixels, progress| {
-            scene.add_samples(settings, batch, pixels, progress)
-        })
+        self.share_out(
+            settings,
+            batch,
+            pixels,
+            progress,
+            false,
+            &|scene, settings, batch, pixels, progress| scene.add_samples(settings, batch, pixels, progress),
+        )
+    }
+
+    fn sum_node(
+        &self,
+        settings: &RenderSettings,
+        batch: &Batch,
+        pixels: &mut [FilmPixel],
+        progress: &Progress<'_>,
+    ) -> Result<(), DeviceError> {
+        self.share_out(
+            settings,
+            batch,
+            pixels,
+            progress,
+            true,
+            &|scene, settings, batch, pixels, progress| scene.sum_node(settings, batch, pixels, progress),
+        )
     }
 
     fn add_layers(
@@ -314,9 +352,20 @@ impl LoadedScene for Several {
         pixels: &mut [LayerPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        self.share_out(settings, batch, pixels, progress, &|scene, settings, batch, pixels, progress| {
-            scene.add_layers(settings, batch, pixels, progress)
-        })
+        self.share_out(
+            settings,
+            batch,
+            pixels,
+            progress,
+            false,
+            &|scene, settings, batch, pixels, progress| scene.add_layers(settings, batch, pixels, progress),
+        )
+    }
+
+    fn device_seconds(&self) -> Option<f64> {
+        // Also of those that are left out now.
+        let clocks = self.members.iter().chain(self.stand_in.get());
+        clocks.filter_map(|member| member.scene.device_seconds()).reduce(|a, b| a + b)
     }
 
     fn failures(&self) -> Vec<String> {

@@ -13,6 +13,7 @@
 use crate::{Batch, DeviceError, LoadedScene, Progress, RenderSettings};
 use bytemuck::Zeroable;
 use kernels::records::kernel::FilmPixel;
+use kernels::sums::kernel::joined_pixels;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -26,12 +27,6 @@ pub(crate) struct Part {
     /// Numbers of the samples: a node of the tree, or the beginning of a block.
     pub samples: Range<u32>,
     pub pixels: Vec<FilmPixel>,
-}
-
-impl Part {
-    fn is_block_open(&self) -> bool {
-        !self.samples.end.is_multiple_of(BLOCK_SAMPLES)
-    }
 }
 
 /// Whether samples are a node of the tree, or the beginning of a block.
@@ -134,12 +129,32 @@ impl FilmSums {
         u32::BITS - samples.div_ceil(BLOCK_SAMPLES).max(1).leading_zeros()
     }
 
-    /// Samples that can be added at once: the rest of the block.
-    pub fn room(&self) -> u32 {
-        BLOCK_SAMPLES - self.end() % BLOCK_SAMPLES
+    /// How many of the `wanted` next samples can be added at once: the largest node of the tree that begins with them, or
+    /// what the last block still takes.
+    pub fn room(&self, wanted: u32) -> u32 {
+        match self.begun() {
+            0 => largest_node(self.end(), wanted),
+            begun => wanted.min(BLOCK_SAMPLES - begun),
+        }
     }
 
-    /// Adds the next `samples` of rows of a picture, at most [`FilmSums::room`]. After an error all is as before.
+    /// As [`FilmSums::room`] if what there is of the last block may be rendered again with the next samples: in a node
+    /// that begins with it, if there is one larger than a block.
+    pub fn room_anew(&self, wanted: u32) -> u32 {
+        let begun = self.begun();
+        match largest_node(self.end() - begun, wanted.saturating_add(begun)) {
+            node if begun > 0 && node > BLOCK_SAMPLES => node - begun,
+            _ => self.room(wanted),
+        }
+    }
+
+    /// Samples in the last block if it is not full.
+    pub fn begun(&self) -> u32 {
+        self.end() % BLOCK_SAMPLES
+    }
+
+    /// Adds the next `samples` of rows of a picture, at most [`FilmSums::room`]; or exactly [`FilmSums::room_anew`] of
+    /// them. After an error all is as before.
     ///
     /// # Errors
     /// As [`LoadedScene::add_samples`].
@@ -151,26 +166,38 @@ impl FilmSums {
         samples: u32,
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        let samples = samples.min(self.room());
-        let first_sample = self.end();
-        let batch = Batch { first_sample, samples, counted: false, ..*rows };
-        let add = |pixels: &mut [FilmPixel]| scene.add_samples(settings, &batch, pixels, progress);
-        match self.parts.last_mut().filter(|part| part.is_block_open()) {
+        let samples = if samples == self.room_anew(samples) { samples } else { self.room(samples) };
+        let (begun, end) = (self.begun(), self.end() + samples);
+        let continues = begun > 0 && begun + samples <= BLOCK_SAMPLES;
+        let first_sample = if continues { self.end() } else { self.end() - begun };
+        let batch = Batch { first_sample, samples: end - first_sample, counted: false, ..*rows };
+        let mut pixels = std::mem::take(&mut self.spare);
+        let added = match self.parts.last().filter(|_| continues) {
             Some(part) => {
-                // A device that fails leaves some tiles with the new samples and some without.
-                let mut pixels = part.pixels.clone();
-                add(&mut pixels)?;
-                part.pixels = pixels;
-                part.samples.end += samples;
+                // In a copy: a device that fails leaves some tiles with the new samples and some without.
+                pixels.clear();
+                pixels.extend_from_slice(&part.pixels);
+                scene.add_samples(settings, &batch, &mut pixels, progress)
             }
             None => {
-                let mut pixels = std::mem::take(&mut self.spare);
-                pixels.clear();
                 pixels.resize(self.pixels, FilmPixel::zeroed());
-                add(&mut pixels)?;
-                self.parts.push(Part { samples: first_sample..first_sample + samples, pixels });
+                let again = self.pixels as u64 * u64::from(begun);
+                let report = |done: u64| progress(done.saturating_sub(again));
+                scene.sum_node(settings, &batch, &mut pixels, &report)
             }
+        };
+        if let Err(error) = added {
+            self.spare = pixels;
+            return Err(error);
         }
+        let mut start = first_sample;
+        if begun > 0
+            && let Some(replaced) = self.parts.pop()
+        {
+            start = replaced.samples.start;
+            self.spare = replaced.pixels;
+        }
+        self.parts.push(Part { samples: start..end, pixels });
         self.join_last();
         Ok(())
     }
@@ -186,7 +213,7 @@ impl FilmSums {
         while self.end() < settings.samples {
             let done = self.pixels as u64 * u64::from(self.samples());
             let left = settings.samples - self.end();
-            self.add(scene, settings, rows, left.min(self.room()), &|more| progress(done + more))?;
+            self.add(scene, settings, rows, left, &|more| progress(done + more))?;
         }
         Ok(())
     }
@@ -268,17 +295,65 @@ fn are_halves(left: &Range<u32>, right: &Range<u32>) -> bool {
         && left.end - left.start == right.end - right.start
 }
 
+/// Samples of the largest node from `first` on, the beginning of a block, with at most `wanted` samples; or `wanted` if
+/// they are no block.
+fn largest_node(first: u32, wanted: u32) -> u32 {
+    let Some(most) = (wanted / BLOCK_SAMPLES).checked_ilog2() else { return wanted };
+    // Of 0 there are more than enough.
+    let aligned = (first / BLOCK_SAMPLES).trailing_zeros();
+    BLOCK_SAMPLES << most.min(aligned)
+}
+
+/// Sums the samples of a batch, which are a node of the tree, from smaller nodes: `sum_part` overwrites pixels with the
+/// sums of a node of `part_samples`, a power of two of blocks.
+pub(crate) fn sum_of_parts(
+    batch: &Batch,
+    part_samples: u32,
+    pixels: &mut [FilmPixel],
+    progress: &Progress<'_>,
+    sum_part: impl Fn(&Batch, &mut [FilmPixel], &Progress<'_>) -> Result<(), DeviceError>,
+) -> Result<(), DeviceError> {
+    let count = pixels.len() as u64;
+    // Left halves whose right ones are still to come, after the first, which is in `pixels`.
+    let mut waiting: Vec<Vec<FilmPixel>> = Vec::new();
+    let mut spare: Vec<Vec<FilmPixel>> = Vec::new();
+    for number in 0..batch.samples.div_ceil(part_samples) {
+        let before = number * part_samples;
+        let samples = part_samples.min(batch.samples - before);
+        let part = Batch { first_sample: batch.first_sample + before, samples, ..*batch };
+        let report = |more: u64| progress(count * u64::from(before) + more);
+        if number == 0 {
+            sum_part(&part, pixels, &report)?;
+            continue;
+        }
+        let mut sums = spare.pop().unwrap_or_default();
+        sums.resize(pixels.len(), FilmPixel::zeroed());
+        sum_part(&part, &mut sums, &report)?;
+        for _ in 0..(number + 1).trailing_zeros() {
+            match waiting.pop() {
+                Some(mut left) => {
+                    add_pixels(&mut left, &sums);
+                    spare.push(std::mem::replace(&mut sums, left));
+                }
+                None => add_pixels(pixels, &sums),
+            }
+        }
+        if (number + 1).is_power_of_two() {
+            spare.push(sums);
+        } else {
+            waiting.push(sums);
+        }
+    }
+    Ok(())
+}
+
 /// Adds samples to those that come before.
 fn add_pixels(left: &mut [FilmPixel], right: &[FilmPixel]) {
     /// Pixels that one thread takes at a time.
     const PIECE: usize = 1 << 14;
     left.par_chunks_mut(PIECE).zip(right.par_chunks(PIECE)).for_each(|(left, right)| {
         for (left, right) in left.iter_mut().zip(right) {
-            left.radiance += right.radiance;
-            left.squares += right.squares;
-            // As the kernels count.
-            left.rays = left.rays.wrapping_add(right.rays);
-            left.samples = left.samples.wrapping_add(right.samples);
+            *left = joined_pixels(*left, *right);
         }
     });
 }
@@ -352,6 +427,29 @@ mod tests {
         }
         assert_eq!(sums.parts.len(), 1);
         assert_eq!([1, 64, 65, 128, 256, 4096].map(FilmSums::most_films), [1, 1, 2, 2, 3, 7]);
+    }
+
+    #[test]
+    fn the_largest_node_that_is_wanted_is_added_at_once() {
+        let begun = |samples: Range<u32>| {
+            let mut sums = FilmSums::new(3, samples.start);
+            for start in samples.clone().step_by(BLOCK_SAMPLES as usize) {
+                sums.parts.push(part(start..samples.end.min(start + BLOCK_SAMPLES)));
+                sums.join_last();
+            }
+            sums
+        };
+        let none = FilmSums::new(3, 0);
+        assert_eq!([1, 63, 64, 127, 128, 1000].map(|wanted| none.room(wanted)), [1, 63, 64, 64, 128, 512]);
+        assert_eq!([10, 1000].map(|wanted| begun(0..64).room(wanted)), [10, 64]);
+        assert_eq!([100, 1000].map(|wanted| begun(0..128).room(wanted)), [64, 128]);
+        assert_eq!([64, u32::MAX].map(|wanted| FilmSums::new(3, 192).room(wanted)), [64, 64]);
+        // A block that was begun is filled, or rendered again.
+        assert_eq!([10, 1000].map(|wanted| begun(0..40).room(wanted)), [10, 24]);
+        assert_eq!([60, 123, 124, 252].map(|wanted| begun(0..4).room_anew(wanted)), [60, 60, 124, 252]);
+        assert_eq!(begun(0..68).room_anew(1000), 60);
+        assert_eq!([10, 1000].map(|wanted| begun(0..64).room_anew(wanted)), [10, 64]);
+        assert_eq!([1, 1000].map(|wanted| none.room_anew(wanted)), [1, 512]);
     }
 
     #[test]

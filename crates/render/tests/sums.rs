@@ -85,6 +85,92 @@ fn shares_join_on_a_graphics_card() {
     assert_shares_join(&*loaded, &plain());
 }
 
+/// A device that knows nothing of nodes: blocks are added in main memory.
+struct BlockByBlock<'a>(&'a dyn LoadedScene);
+
+impl LoadedScene for BlockByBlock<'_> {
+    fn set_view(&mut self, _: &render::View) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
+    fn add_samples(
+        &self,
+        settings: &RenderSettings,
+        batch: &Batch,
+        pixels: &mut [kernels::records::kernel::FilmPixel],
+        progress: &render::Progress<'_>,
+    ) -> Result<(), DeviceError> {
+        self.0.add_samples(settings, batch, pixels, progress)
+    }
+
+    fn add_layers(
+        &self,
+        settings: &RenderSettings,
+        batch: &Batch,
+        pixels: &mut [kernels::records::kernel::LayerPixel],
+        progress: &render::Progress<'_>,
+    ) -> Result<(), DeviceError> {
+        self.0.add_layers(settings, batch, pixels, progress)
+    }
+}
+
+#[test]
+fn a_node_that_a_graphics_card_adds_is_that_of_its_blocks() {
+    let Some(gpu) = gpu() else { return };
+    let loaded = render::Device::load(&gpu, Arc::new(compile(&small_scene()).unwrap())).unwrap();
+    let in_memory = BlockByBlock(&*loaded);
+    // 3 x 2 tiles and one; four blocks, eleven and a beginning, and a node that does not begin at 0.
+    for (tile, first, samples) in [(5, 0, 256), (64, 0, 256), (5, 0, 11 * 64 + 7), (5, 512, 256)] {
+        let settings = RenderSettings { tile: Some(tile), ..settings(13, 9, first + samples, 2) };
+        let most = std::sync::atomic::AtomicU64::new(0);
+        let sums = |scene: &dyn LoadedScene| {
+            let mut sums = FilmSums::new(13 * 9, first);
+            while sums.end() < settings.samples {
+                let before = 13 * 9 * u64::from(sums.samples());
+                let report = |done| {
+                    most.fetch_max(before + done, Ordering::Relaxed);
+                    ControlFlow::Continue(())
+                };
+                sums.add(scene, &settings, &Batch::whole(&settings), settings.samples - sums.end(), &report)
+                    .unwrap();
+            }
+            film(&settings, sums)
+        };
+        let (on_card, in_memory) = (sums(&*loaded), sums(&in_memory));
+        assert_eq!(on_card.samples(), 13 * 9 * u64::from(samples));
+        assert!(bytes(&on_card) == bytes(&in_memory), "tiles of {tile}, {samples} samples from {first} on");
+        assert_eq!(most.into_inner(), 13 * 9 * u64::from(samples));
+    }
+    // Its clock counts what it did.
+    assert!(loaded.device_seconds().is_none_or(|seconds| seconds > 0.0));
+}
+
+#[test]
+fn a_graphics_card_stops_in_the_middle_of_a_node_and_goes_on() {
+    let Some(gpu) = gpu() else { return };
+    let loaded = render::Device::load(&gpu, Arc::new(compile(&small_scene()).unwrap())).unwrap();
+    let settings = RenderSettings { samples: 260, ..plain() };
+    let whole = loaded.render(&settings, &go_on).unwrap();
+    let mut sums = share(&*loaded, &settings, 0..3);
+    let reports = AtomicU32::new(0);
+    let stop = |_: u64| match reports.fetch_add(1, Ordering::Relaxed) {
+        4 => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    };
+    // What is there is rendered again with the rest of the node, but not forgotten before.
+    assert_eq!((sums.room(257), sums.room_anew(257)), (61, 253));
+    let error = sums.add(&*loaded, &settings, &Batch::whole(&settings), 253, &stop).unwrap_err();
+    assert!(matches!(error, DeviceError::Cancelled));
+    assert_eq!(sums.ranges(), [0..3]);
+    let three = film(&settings, sums.clone());
+    assert!(bytes(&three) == bytes(&film(&settings, share(&*loaded, &settings, 0..3))));
+    for (samples, end) in [(253, 256), (4, 260)] {
+        sums.add(&*loaded, &settings, &Batch::whole(&settings), samples, &go_on).unwrap();
+        assert_eq!(sums.ranges(), [0..end]);
+    }
+    assert!(bytes(&film(&settings, sums)) == bytes(&whole));
+}
+
 #[test]
 fn several_devices_make_the_picture_of_one() {
     let Some(gpu) = gpu() else { return };

@@ -64,7 +64,8 @@ struct Source {
 /// The scenes that were asked for, under names that differ.
 fn sources(asked: &[PathBuf]) -> Result<Vec<Source>, Failure> {
     if asked.is_empty() {
-        return Ok(BUILT_IN.iter().map(|scene| Source { name: scene.name.to_owned(), path: None }).collect());
+        let usual = BUILT_IN.iter().filter(|scene| !scene.is_huge);
+        return Ok(usual.map(|scene| Source { name: scene.name.to_owned(), path: None }).collect());
     }
     let mut sources: Vec<Source> = Vec::new();
     for path in asked {
@@ -223,6 +224,7 @@ impl OpenDevice {
                     render: rendered.seconds,
                 },
                 cpu_seconds: rendered.cpu_seconds,
+                device_seconds: rendered.device_seconds,
                 samples_per_second: per_second(rendered.samples),
                 rays_per_second: per_second(rendered.rays),
                 scene_bytes: table_bytes(&scene.compiled),
@@ -238,6 +240,8 @@ struct Rendered {
     seconds: Measured,
     /// Of the shortest rendering.
     cpu_seconds: Option<f64>,
+    /// Likewise, by the clock of the device.
+    device_seconds: Option<f64>,
     samples: u64,
     rays: u64,
 }
@@ -245,14 +249,22 @@ struct Rendered {
 impl Rendered {
     fn measure(scene: &dyn LoadedScene, settings: &RenderSettings, repeats: u32) -> Result<Self, Failure> {
         let mut times: Vec<f64> = Vec::new();
-        let mut shortest = Rendered { seconds: Measured::of(&[]), cpu_seconds: None, samples: 0, rays: 0 };
+        let mut shortest = Rendered {
+            seconds: Measured::of(&[]),
+            cpu_seconds: None,
+            device_seconds: None,
+            samples: 0,
+            rays: 0,
+        };
         for _ in 0..repeats.max(1) {
-            let before = ticks_so_far();
+            let (before, device_before) = (ticks_so_far(), scene.device_seconds());
             let mut time = 0.0;
             let film = timed(&mut time, || picture(scene, settings))?;
             if times.iter().all(|known| time < *known) {
                 let ticks = before.zip(ticks_so_far()).and_then(|(before, after)| after.checked_sub(before));
                 shortest.cpu_seconds = ticks.map(|ticks| ticks as f64 / TICKS_PER_SECOND);
+                let device = device_before.zip(scene.device_seconds());
+                shortest.device_seconds = device.map(|(before, after)| after - before);
                 (shortest.samples, shortest.rays) = (film.samples(), film.rays());
             }
             times.push(time);

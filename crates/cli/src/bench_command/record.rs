@@ -54,6 +54,9 @@ pub struct Row {
     /// Processor time of all threads in the shortest rendering, in seconds; missing where the system does not tell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cpu_seconds: Option<f64>,
+    /// What the device's own clock says of the shortest rendering, in seconds; missing where it has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub device_seconds: Option<f64>,
     /// Samples of all pixels in a second of the shortest rendering.
     pub samples_per_second: f64,
     /// Rays, shadow rays included, in a second of the shortest rendering.
@@ -141,6 +144,7 @@ impl Record {
             "first s",
             "render s",
             "± %",
+            "card s",
             "Msamples/s",
             "Mrays/s",
             "peak MB",
@@ -159,6 +163,7 @@ impl Record {
                 seconds(times.first),
                 seconds(times.render.best),
                 spread.map_or("-".to_owned(), |percent| format!("{percent:.1}")),
+                row.device_seconds.map_or("-".to_owned(), seconds),
                 seconds(row.samples_per_second / 1e6),
                 seconds(row.rays_per_second / 1e6),
                 // Lossless up to petabytes.

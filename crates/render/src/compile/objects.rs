@@ -56,7 +56,7 @@ pub(super) fn compile_objects(
         materials,
         instancing: acceleration == Acceleration::Bvh,
         mesh_groups: HashMap::new(),
-        centres: Vec::new(),
+        outlines: Vec::new(),
         objects: Objects {
             scene: Primitives::default(),
             groups: Vec::new(),
@@ -99,9 +99,20 @@ struct Compiler<'a> {
     instancing: bool,
     /// Groups that are made of meshes.
     mesh_groups: HashMap<MeshKey, usize>,
-    /// Middle of every compiled group: its records are relative to it, so that their numbers are small.
-    centres: Vec<DVec3>,
+    /// Of every compiled group.
+    outlines: Vec<Outline>,
     objects: Objects,
+}
+
+/// What instances need to know of their group, found out once: groups may have many members, and many instances.
+#[derive(Clone, Copy)]
+struct Outline {
+    /// Its middle: its records are relative to it, so that their numbers are small.
+    centre: DVec3,
+    /// The box of all members, relative to the centre.
+    corners: (DVec3, DVec3),
+    /// Flags that some member has.
+    flags: u32,
 }
 
 impl Compiler<'_> {
@@ -155,8 +166,10 @@ impl Compiler<'_> {
         if level.bounded.len() < 2 {
             return None;
         }
+        let flags = level.bounded.iter().fold(0, |all, object| all | object.shape.kind) & FLAG_NOT_OPAQUE;
+        let corners = level.boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
         self.objects.groups.push(level);
-        self.centres.push(centre);
+        self.outlines.push(Outline { centre, corners, flags });
         Some(self.objects.groups.len() - 1)
     }
 
@@ -245,22 +258,18 @@ impl Compiler<'_> {
         local_from_group: &DAffine3,
         source: u32,
     ) -> Result<(), CompileError> {
-        let members = &self.objects.groups[group];
-        let any_not_opaque = members.bounded.iter().fold(0, |all, object| all | object.shape.kind);
-        let corners = members.boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let Outline { centre, corners, flags } = self.outlines[group];
         let unit = UnitShape {
             kind: SHAPE_INSTANCE,
-            local_from_unit: *local_from_group * DAffine3::from_translation(self.centres[group]),
+            local_from_unit: *local_from_group * DAffine3::from_translation(centre),
             base_radius: 1.0,
             top_radius: 1.0,
             v_scale: 1.0,
             attributes: NONE,
         };
-        let box_of_group = corners.map(|corners| transformed_box(corners, &unit.local_from_unit));
-        let flags = any_not_opaque & FLAG_NOT_OPAQUE;
         let record = self.record(&unit, count(group), flags, source, NONE)?;
         level.bounded.push(record);
-        level.boxes.push(box_of_group.unwrap_or_default());
+        level.boxes.push(transformed_box(corners, &unit.local_from_unit));
         Ok(())
     }
 

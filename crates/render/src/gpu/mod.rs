@@ -2,16 +2,23 @@
 
 mod adapters;
 mod assemble;
+mod clock;
+mod joining;
+mod launches;
+#[cfg(test)]
+mod memory_tests;
 mod scene;
 mod shader;
 mod tile;
+mod tile_memory;
 
 pub use adapters::{GpuInfo, list_gpus};
 
 use crate::{CompiledScene, Device, DeviceError, LoadedScene, Renderer};
+use joining::Joiner;
 use kernels::records::kernel::ALL_FEATURES;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A graphics card.
 pub struct Gpu {
@@ -20,12 +27,17 @@ pub struct Gpu {
     queue: wgpu::Queue,
     /// The programs that were needed so far.
     pipelines: Mutex<HashMap<Program, wgpu::ComputePipeline>>,
+    /// Adds films; compiled when it is first needed.
+    joiner: OnceLock<Joiner>,
     /// What the kernels are bound to, the same for all pipelines: header, settings, tables, film.
     layout: wgpu::BindGroupLayout,
     /// What went wrong since the last look; filled by the driver at any time.
     errors: Arc<ErrorLog>,
     /// A rasteriser in software is slow and must be given small pieces of work.
     is_software: bool,
+    /// Bytes that may be taken at a time, in tests of what happens when there are no more.
+    #[cfg(test)]
+    memory: u64,
 }
 
 /// A program of the graphics card.
@@ -72,7 +84,7 @@ impl Gpu {
     pub fn open(index: usize) -> Result<Self, DeviceError> {
         let adapters = adapters::all();
         match adapters.get(index) {
-            Some((adapter, info)) => Self::start(adapter, info),
+            Some((adapter, info)) => Self::start(adapter, info, adapter.limits()),
             None => Err(DeviceError::NoSuchGpu { wanted: index, found: adapters::summary(&adapters) }),
         }
     }
@@ -82,10 +94,14 @@ impl Gpu {
         let adapters = adapters::all();
         let infos: Vec<GpuInfo> = adapters.iter().map(|(_, info)| info.clone()).collect();
         let (adapter, info) = adapters.get(crate::automatic_gpu(&infos)?)?;
-        Some(Self::start(adapter, info))
+        Some(Self::start(adapter, info, adapter.limits()))
     }
 
-    fn start(adapter: &wgpu::Adapter, info: &GpuInfo) -> Result<Self, DeviceError> {
+    fn start(
+        adapter: &wgpu::Adapter,
+        info: &GpuInfo,
+        required_limits: wgpu::Limits,
+    ) -> Result<Self, DeviceError> {
         let failed = |doing: &'static str, reason: String| DeviceError::Gpu {
             device: info.name.clone(),
             doing,
@@ -93,8 +109,10 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("sunshine"),
-            // What the adapter offers, so that large scenes fit where they can.
-            required_limits: adapter.limits(),
+            // To tell how long it worked.
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            // As a rule what the adapter offers, so that large scenes fit where they can.
+            required_limits,
             ..Default::default()
         }))
         .map_err(|error| failed("opening it", error.to_string()))?;
@@ -115,9 +133,12 @@ impl Gpu {
             device,
             queue,
             pipelines: Mutex::default(),
+            joiner: OnceLock::new(),
             layout,
             errors,
             is_software: info.is_software,
+            #[cfg(test)]
+            memory: u64::MAX,
         })
     }
 
@@ -163,6 +184,41 @@ impl Gpu {
         Ok(pipeline)
     }
 
+    /// The program that adds films.
+    fn joiner(&self) -> Result<&Joiner, DeviceError> {
+        if let Some(joiner) = self.joiner.get() {
+            return Ok(joiner);
+        }
+        let joiner = Joiner::new(self)?;
+        Ok(self.joiner.get_or_init(|| joiner))
+    }
+
+    /// What `make` makes of so many bytes of the card's memory, for `what`.
+    ///
+    /// # Errors
+    /// If there are not so many.
+    fn allocated<T>(
+        &self,
+        what: &'static str,
+        needed: u64,
+        make: impl FnOnce() -> T,
+    ) -> Result<T, DeviceError> {
+        let short = || DeviceError::OutOfMemory { device: self.name.clone(), what, needed };
+        #[cfg(test)]
+        if needed > self.memory {
+            return Err(short());
+        }
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let made = make();
+        if pollster::block_on(scope.pop()).is_some() {
+            // What follows from it, as that a binding is invalid, is of no interest.
+            self.errors.take();
+            return Err(short());
+        }
+        self.check("taking memory")?;
+        Ok(made)
+    }
+
     fn check(&self, doing: &'static str) -> Result<(), DeviceError> {
         match self.errors.take() {
             None => Ok(()),
@@ -175,15 +231,20 @@ impl Gpu {
     }
 }
 
+fn encoder(gpu: &Gpu, label: &'static str) -> wgpu::CommandEncoder {
+    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
+}
+
 /// The kernels as graphics cards run them: name of the file and text in WGSL.
 ///
 /// # Errors
 /// If they cannot be written in WGSL; the tests exclude it.
 pub fn kernel_sources() -> Result<Vec<(&'static str, String)>, String> {
-    [(Renderer::PathTracer, "path_tracer.wgsl"), (Renderer::RayTracer, "ray_tracer.wgsl")]
-        .into_iter()
-        .map(|(renderer, name)| Ok((name, shader::source(renderer, ALL_FEATURES)?)))
-        .collect()
+    Ok(vec![
+        ("path_tracer.wgsl", shader::source(Renderer::PathTracer, ALL_FEATURES)?),
+        ("ray_tracer.wgsl", shader::source(Renderer::RayTracer, ALL_FEATURES)?),
+        ("join_films.wgsl", joining::source()?),
+    ])
 }
 
 /// Bindings 0 and 1 are uniforms, then seven tables that are read, then the film that is written. Explicit, because

@@ -1,11 +1,17 @@
 //! A scene in the memory of a graphics card.
 
-use super::tile::{KeptTile, TileRenderer};
+use super::tile::{MOST_SAMPLES, TileRenderer};
+use super::tile_memory::KeptTile;
 use super::{Gpu, Program};
+use crate::sums::sum_of_parts;
 use crate::{Batch, CompiledScene, DeviceError, LoadedScene, Progress, RenderSettings, Renderer, View};
 use kernels::records::kernel::{FilmPixel, LayerPixel, launched_samples};
 use std::sync::Arc;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+/// Bytes of a table that are on their way to the card at a time.
+const PIECE: u64 = 64 << 20;
 
 /// The scene's tables on the graphics card.
 pub(super) struct GpuScene {
@@ -15,39 +21,16 @@ pub(super) struct GpuScene {
     features: u32,
     /// From one batch to the next.
     tile: KeptTile,
+    /// What the card's clock said of samples so far.
+    nanoseconds: AtomicU64,
 }
 
 impl GpuScene {
     pub(super) fn upload(gpu: Arc<Gpu>, scene: &CompiledScene) -> Result<Self, DeviceError> {
-        let limit = gpu.device.limits().max_storage_buffer_binding_size;
-        let storage = |table: &'static str, bytes: &[u8], record: usize| {
-            if bytes.len() as u64 > limit {
-                return Err(DeviceError::TooLarge {
-                    device: gpu.name.clone(),
-                    table,
-                    needed: bytes.len() as u64,
-                    limit,
-                });
-            }
-            // A binding cannot be empty; the kernels never read the record that stands in.
-            let stand_in = vec![0u8; record];
-            let contents = if bytes.is_empty() { &stand_in } else { bytes };
-            Ok(gpu.device.create_buffer_init(&BufferInitDescriptor {
-                label: Some(table),
-                contents,
-                usage: wgpu::BufferUsages::STORAGE,
-            }))
-        };
-        let header = gpu.device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("scene header"),
-            contents: bytemuck::bytes_of(&scene.header),
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        });
         fn bytes<T: bytemuck::Pod>(records: &[T]) -> (&[u8], usize) {
             (bytemuck::cast_slice(records), size_of::<T>())
         }
-        let mut tables = vec![header];
-        for (name, (contents, record)) in [
+        let tables = [
             ("nodes", bytes(&scene.nodes)),
             ("objects", bytes(&scene.objects)),
             ("materials", bytes(&scene.materials)),
@@ -55,15 +38,65 @@ impl GpuScene {
             ("images", bytes(&scene.texels)),
             ("lights", bytes(&scene.lights)),
             ("mesh attributes", bytes(&scene.attributes)),
-        ] {
-            tables.push(storage(name, contents, record)?);
+        ];
+        let limits = gpu.device.limits();
+        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        // Before anything travels.
+        for (table, (contents, _)) in tables {
+            let needed = contents.len() as u64;
+            if needed > limit {
+                return Err(DeviceError::TooLarge { device: gpu.name.clone(), table, needed, limit });
+            }
+        }
+        let needed = tables.iter().map(|(_, (contents, _))| contents.len() as u64).sum();
+        use wgpu::BufferUsages as Usage;
+        let buffer = |label, size, usage| {
+            let usage = usage | Usage::COPY_DST;
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let buffers = gpu.allocated("the scene", needed, || {
+            let header = buffer("scene header", size_of_val(&scene.header) as u64, Usage::UNIFORM);
+            // A binding cannot be empty; the kernels never read the record that stands in.
+            let sized = tables.iter().map(|(table, (contents, record))| {
+                buffer(*table, contents.len().max(*record) as u64, Usage::STORAGE)
+            });
+            [header].into_iter().chain(sized).collect::<Vec<_>>()
+        })?;
+        gpu.queue.write_buffer(&buffers[0], 0, bytemuck::bytes_of(&scene.header));
+        for (buffer, (_, (contents, _))) in buffers[1..].iter().zip(tables) {
+            for (piece, start) in contents.chunks(PIECE as usize).zip((0..).step_by(PIECE as usize)) {
+                gpu.queue.write_buffer(buffer, start, piece);
+                // So that there are no copies of all of a large table.
+                if piece.len() as u64 == PIECE {
+                    gpu.queue.submit([]);
+                    wait(&gpu, RECEIVING)?;
+                }
+            }
         }
         // Wait until the tables have arrived, so that a lack of memory shows here.
         gpu.queue.submit([]);
-        wait(&gpu, "receiving the scene")?;
-        Ok(GpuScene { gpu, tables, features: scene.features, tile: KeptTile::default() })
+        wait(&gpu, RECEIVING)?;
+        let (tile, nanoseconds) = (KeptTile::default(), AtomicU64::new(0));
+        Ok(GpuScene { gpu, tables: buffers, features: scene.features, tile, nanoseconds })
+    }
+
+    fn samples_of(&self, settings: &RenderSettings) -> Result<wgpu::ComputePipeline, DeviceError> {
+        self.gpu.pipeline(Program::samples(settings.renderer, self.features))
+    }
+
+    fn count(&self, time: Duration) {
+        // 500 years.
+        let nanoseconds = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
+        self.nanoseconds.fetch_add(nanoseconds, Ordering::Relaxed);
     }
 }
+
+const RECEIVING: &str = "receiving the scene";
 
 impl LoadedScene for GpuScene {
     fn set_view(&mut self, view: &View) -> Result<(), DeviceError> {
@@ -72,6 +105,7 @@ impl LoadedScene for GpuScene {
     }
 
     fn prepare(&self, renderer: Renderer) -> Result<(), DeviceError> {
+        self.gpu.joiner()?;
         self.gpu.pipeline(Program::samples(renderer, self.features)).map(|_| ())
     }
 
@@ -87,9 +121,36 @@ impl LoadedScene for GpuScene {
             let launch = batch.launch(settings);
             tile.iter().map(|pixel| launched_samples(launch, pixel.samples)).max().unwrap_or(0)
         };
-        let pipeline = self.gpu.pipeline(Program::samples(settings.renderer, self.features))?;
-        TileRenderer::new(&self.gpu, &pipeline, &self.tables, settings, &self.tile)
-            .render(batch, pixels, progress, &most)
+        let time = TileRenderer {
+            gpu: &self.gpu,
+            pipeline: &self.samples_of(settings)?,
+            tables: &self.tables,
+            settings,
+            kept: &self.tile,
+        }
+        .add(batch, pixels, progress, &most)?;
+        self.count(time);
+        Ok(())
+    }
+
+    fn sum_node(
+        &self,
+        settings: &RenderSettings,
+        batch: &Batch,
+        pixels: &mut [FilmPixel],
+        progress: &Progress<'_>,
+    ) -> Result<(), DeviceError> {
+        let renderer = TileRenderer {
+            gpu: &self.gpu,
+            pipeline: &self.samples_of(settings)?,
+            tables: &self.tables,
+            settings,
+            kept: &self.tile,
+        };
+        sum_of_parts(batch, MOST_SAMPLES, pixels, progress, |part, pixels, progress| {
+            self.count(renderer.sum(part, pixels, progress)?);
+            Ok(())
+        })
     }
 
     fn add_layers(
@@ -99,15 +160,21 @@ impl LoadedScene for GpuScene {
         pixels: &mut [LayerPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        let pipeline = self.gpu.pipeline(Program::layers(self.features))?;
-        // Layers are one batch: nothing is kept for the next.
-        let tile = KeptTile::default();
-        TileRenderer::new(&self.gpu, &pipeline, &self.tables, settings, &tile).render(
-            batch,
-            pixels,
-            progress,
-            &|_| batch.samples,
-        )
+        TileRenderer {
+            gpu: &self.gpu,
+            pipeline: &self.gpu.pipeline(Program::layers(self.features))?,
+            tables: &self.tables,
+            settings,
+            // Layers are one batch: nothing is kept for the next.
+            kept: &KeptTile::default(),
+        }
+        .add(batch, pixels, progress, &|_| batch.samples)?;
+        Ok(())
+    }
+
+    fn device_seconds(&self) -> Option<f64> {
+        let has_clock = self.gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        has_clock.then(|| self.nanoseconds.load(Ordering::Relaxed) as f64 * 1e-9)
     }
 }
 

@@ -150,17 +150,12 @@ fn replaced(text: &str, piece: &str, by: &str) -> Result<String, String> {
 
 #[cfg(test)]
 mod tests {
-    use crate::Renderer;
-
     /// The WGSL that the graphics card runs is kept as a file, so that a reader sees it and a change of the
     /// translator shows as a difference. Set `SUNSHINE_BLESS=1` to accept a change.
     #[test]
     fn emitted_wgsl_matches_the_reviewed_snapshot() {
-        for (renderer, file) in
-            [(Renderer::PathTracer, "path_tracer.wgsl"), (Renderer::RayTracer, "ray_tracer.wgsl")]
-        {
+        for (file, source) in crate::gpu::kernel_sources().unwrap() {
             let path = format!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/gpu/{}"), file);
-            let source = super::source(renderer, super::ALL_FEATURES).unwrap();
             if std::env::var_os("SUNSHINE_BLESS").is_some() {
                 std::fs::write(&path, &source).unwrap();
             }

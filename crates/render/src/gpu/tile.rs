@@ -1,92 +1,142 @@
 //! A picture on a graphics card, tile by tile, so that the memory taken there does not grow with the picture.
 
-use super::Gpu;
+use super::launches::Launches;
 use super::scene::wait;
-use crate::{Batch, ControlFlow, DeviceError, Progress, RenderSettings};
+use super::tile_memory::{KeptTile, MOST_BYTES, TileMemory};
+use super::{Gpu, encoder};
+use crate::{BLOCK_SAMPLES, Batch, DeviceError, Progress, RenderSettings};
 use bytemuck::Pod;
-use kernels::records::kernel::LaunchSettings;
-use std::sync::{Mutex, mpsc};
-use std::time::{Duration, Instant};
+use kernels::records::kernel::{FilmPixel, LaunchSettings};
+use rayon::prelude::*;
+use std::sync::mpsc;
+use std::time::Duration;
 
-/// A launch should take about this long: long enough to keep the card busy, short enough for a desktop that
-/// shares it, far below the two seconds after which systems reset it.
-const LAUNCH_TIME: Duration = Duration::from_millis(80);
 /// Edge of a tile in pixels on a graphics card, and on a rasteriser in software.
 const TILE: u32 = 1024;
 const SOFTWARE_TILE: u32 = 128;
-/// Most bytes of a tile's film, of which the card holds two copies; what WebGPU guarantees for one binding.
-const TILE_BYTES: u64 = 128 << 20;
+/// When memory is short, tiles become smaller down to this edge.
+const SMALLEST_TILE: u32 = 64;
+/// Most bytes of a film of a tile: what WebGPU guarantees for one binding.
+const FILM_BYTES: u64 = 128 << 20;
+/// Most samples that are summed on the card: seven films of the largest tile, and the one on the way back.
+pub(super) const MOST_SAMPLES: u32 = 64 * BLOCK_SAMPLES;
 /// Edge of the workgroup in the kernels.
 const WORKGROUP: u32 = 8;
 
 /// What is the same for all tiles of a picture.
 pub(super) struct TileRenderer<'a> {
-    gpu: &'a Gpu,
-    pipeline: &'a wgpu::ComputePipeline,
+    pub gpu: &'a Gpu,
+    pub pipeline: &'a wgpu::ComputePipeline,
     /// The scene: its header, then its tables.
-    tables: &'a [wgpu::Buffer],
-    settings: &'a RenderSettings,
-    kept: &'a KeptTile,
+    pub tables: &'a [wgpu::Buffer],
+    pub settings: &'a RenderSettings,
+    pub kept: &'a KeptTile,
 }
 
-/// A tile's memory on the card, from one batch of samples to the next: making memory that both sides see takes longer
-/// than many samples. Whoever renders takes it and brings it back. How many samples a launch takes is learnt anew: the
-/// next picture may be larger, deeper or closer.
-#[derive(Default)]
-pub(super) struct KeptTile(Mutex<Option<TileBuffers>>);
-
-impl KeptTile {
-    fn take(&self) -> Option<TileBuffers> {
-        self.0.lock().ok()?.take()
-    }
-
-    fn bring_back(&self, tile: TileBuffers) {
-        if let Ok(mut kept) = self.0.lock() {
-            *kept = Some(tile);
-        }
-    }
+/// What is done with the pixels of a tile.
+enum Work<'a, P> {
+    /// Samples are added to those that there are; how many launches of samples a tile needs.
+    Add(&'a dyn Fn(&[P]) -> u32),
+    /// They are overwritten by the sum of a node of the tree of [`crate::FilmSums`].
+    Sum,
 }
 
-impl<'a> TileRenderer<'a> {
-    pub(super) fn new(
-        gpu: &'a Gpu,
-        pipeline: &'a wgpu::ComputePipeline,
-        tables: &'a [wgpu::Buffer],
-        settings: &'a RenderSettings,
-        kept: &'a KeptTile,
-    ) -> Self {
-        TileRenderer { gpu, pipeline, tables, settings, kept }
-    }
-
-    /// Width and height of the tiles; at the right and lower edge they may be smaller.
-    fn tile_size(&self, batch: &Batch, pixel_bytes: u64) -> (u32, u32) {
-        let default = if self.gpu.is_software { SOFTWARE_TILE } else { TILE };
-        let edge = self.settings.tile.unwrap_or(default).max(1);
-        let limit = self.gpu.device.limits().max_storage_buffer_binding_size.min(TILE_BYTES);
-        let most = u32::try_from(limit / pixel_bytes).unwrap_or(u32::MAX).max(1);
-        let width = edge.min(self.settings.window().width).min(most);
-        (width, edge.min(batch.rows).min(most / width).max(1))
-    }
-
-    /// Adds the samples of a batch to `pixels`; `most` tells how many launches of samples a tile needs.
-    pub(super) fn render<P: Pod>(
+impl TileRenderer<'_> {
+    /// Adds the samples of a batch to `pixels`; `most` tells how many launches of samples a tile needs. Returns what the
+    /// card's clock says.
+    pub(super) fn add<P: Pod>(
         &self,
         batch: &Batch,
         pixels: &mut [P],
         progress: &Progress<'_>,
         most: &dyn Fn(&[P]) -> u32,
-    ) -> Result<(), DeviceError> {
-        let width = self.settings.window().width;
+    ) -> Result<Duration, DeviceError> {
+        self.render(batch, 1, pixels, progress, &Work::Add(most))
+    }
+
+    /// Overwrites `pixels` with the sums of a node of at most [`MOST_SAMPLES`].
+    pub(super) fn sum(
+        &self,
+        batch: &Batch,
+        pixels: &mut [FilmPixel],
+        progress: &Progress<'_>,
+    ) -> Result<Duration, DeviceError> {
+        let blocks = batch.samples.div_ceil(BLOCK_SAMPLES).max(1);
+        // A left half waits at every level but the last, where the block is that is rendered.
+        let films = blocks.next_power_of_two().ilog2() as usize + 1;
+        self.render(batch, films, pixels, progress, &Work::Sum)
+    }
+
+    /// Width and height of the tiles with an edge; at the right and lower edge of the picture they may be smaller.
+    fn tile_size(&self, edge: u32, batch: &Batch, films: usize, pixel_bytes: u64) -> (u32, u32) {
+        let limits = self.gpu.device.limits();
+        let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let limit = binding.min(FILM_BYTES).min(MOST_BYTES / (films as u64 + 1));
+        let most = u32::try_from(limit / pixel_bytes).unwrap_or(u32::MAX).max(1);
+        let width = edge.min(self.settings.window().width).min(most);
+        (width, edge.min(batch.rows).min(most / width).max(1))
+    }
+
+    /// The size of the tiles, and memory for one. If there is too little, tiles become smaller.
+    fn memory(
+        &self,
+        batch: &Batch,
+        films: usize,
+        pixel_bytes: u64,
+    ) -> Result<((u32, u32), TileMemory), DeviceError> {
+        let default = if self.gpu.is_software { SOFTWARE_TILE } else { TILE };
+        let mut edge = self.settings.tile.unwrap_or(default).max(1);
+        loop {
+            let (width, height) = self.tile_size(edge, batch, films, pixel_bytes);
+            let bytes = u64::from(width) * u64::from(height) * pixel_bytes;
+            match self.kept.take(self.gpu, self.tables, films, bytes) {
+                Err(DeviceError::OutOfMemory { .. }) if width.max(height) > SMALLEST_TILE => {
+                    edge = width.max(height).div_ceil(2).max(SMALLEST_TILE);
+                    tracing::debug!("{}: tiles of {edge} pixels, because memory is short", self.gpu.name);
+                }
+                result => return result.map(|memory| ((width, height), memory)),
+            }
+        }
+    }
+
+    fn render<P: Pod>(
+        &self,
+        batch: &Batch,
+        films: usize,
+        pixels: &mut [P],
+        progress: &Progress<'_>,
+        work: &Work<'_, P>,
+    ) -> Result<Duration, DeviceError> {
         assert_eq!(pixels.len(), batch.pixels(self.settings), "pixels of a batch");
         if pixels.is_empty() {
-            return Ok(());
+            return Ok(Duration::ZERO);
         }
-        let (tile_width, tile_height) = self.tile_size(batch, size_of::<P>() as u64);
-        let size = u64::from(tile_width) * u64::from(tile_height) * size_of::<P>() as u64;
-        let kept = self.kept.take().filter(|buffers| buffers.film.size() >= size);
-        let buffers = kept.unwrap_or_else(|| TileBuffers::new(self, size));
-        let mut pace = Pace { samples: 1 };
+        let (size, mut memory) = self.memory(batch, films, size_of::<P>() as u64)?;
+        let result = self.render_tiles(&mut memory, size, batch, pixels, progress, work);
+        // What is still on its way is done before what comes next.
+        if matches!(result, Ok(_) | Err(DeviceError::Cancelled)) {
+            self.kept.bring_back(memory);
+        }
+        result
+    }
+
+    fn render_tiles<P: Pod>(
+        &self,
+        memory: &mut TileMemory,
+        (tile_width, tile_height): (u32, u32),
+        batch: &Batch,
+        pixels: &mut [P],
+        progress: &Progress<'_>,
+        work: &Work<'_, P>,
+    ) -> Result<Duration, DeviceError> {
+        let width = self.settings.window().width;
         let mut done = 0u64;
+        let mut report = |samples| {
+            done += samples;
+            progress(done)
+        };
+        let mut launches = Launches::new(self.gpu, &mut report);
+        let mut time = Duration::ZERO;
         let mut gathered: Vec<P> = Vec::new();
         for y in (0..batch.rows).step_by(tile_height as usize) {
             for x in (0..width).step_by(tile_width as usize) {
@@ -101,105 +151,154 @@ impl<'a> TileRenderer<'a> {
                 let line = launch.tile_width as usize;
                 let starts =
                     (y..y + launch.tile_height).map(|row| row as usize * width as usize + x as usize);
-                // Tiles as wide as the picture lie in one piece: copies would be new memory for every batch.
-                let tile: &[P] = if line == width as usize {
-                    let first = y as usize * line;
-                    &pixels[first..first + launch.tile_height as usize * line]
-                } else {
-                    gathered.clear();
-                    for start in starts.clone() {
-                        gathered.extend_from_slice(&pixels[start..start + line]);
+                match work {
+                    Work::Add(most) => {
+                        // Tiles as wide as the picture lie in one piece: copies would be new memory for every batch.
+                        let tile: &[P] = if line == width as usize {
+                            let first = y as usize * line;
+                            &pixels[first..first + launch.tile_height as usize * line]
+                        } else {
+                            gathered.clear();
+                            for start in starts.clone() {
+                                gathered.extend_from_slice(&pixels[start..start + line]);
+                            }
+                            &gathered
+                        };
+                        let launch = LaunchSettings { samples: most(tile), ..launch };
+                        self.send(memory, tile);
+                        time += self.add_samples(memory, launch, None, &mut launches)?;
                     }
-                    &gathered
-                };
-                let bytes = size_of_val(tile) as u64;
-                let launch = LaunchSettings { samples: most(tile), ..launch };
-                self.send(&buffers, tile);
-                self.render_tile(&buffers, launch, &mut pace, &mut |samples| {
-                    done += samples;
-                    progress(done)
-                })?;
-                self.read_back(&buffers, bytes, &mut |rendered| {
-                    let row_bytes = line * size_of::<P>();
-                    for (start, row) in starts.clone().zip(rendered.chunks(row_bytes)) {
-                        // As bytes, because mapped memory need not be aligned for the record.
+                    Work::Sum => time += self.sum_blocks(memory, launch, &mut launches)?,
+                }
+                launches.finish()?;
+                let bytes = launch.tile_height as usize * line * size_of::<P>();
+                self.read_back(memory, bytes as u64, &mut |rendered| {
+                    // As bytes, because mapped memory need not be aligned for the record.
+                    if line == width as usize {
+                        let first = y as usize * line;
+                        let rows = &mut pixels[first..first + launch.tile_height as usize * line];
+                        copy(bytemuck::cast_slice_mut(rows), rendered);
+                        return;
+                    }
+                    for (start, row) in starts.clone().zip(rendered.chunks(line * size_of::<P>())) {
                         bytemuck::cast_slice_mut(&mut pixels[start..start + line]).copy_from_slice(row);
                     }
                 })?;
             }
         }
-        self.kept.bring_back(buffers);
-        Ok(())
+        match &mut memory.clock {
+            Some(clock) => Ok(time + clock.fetch(self.gpu)?),
+            None => Ok(time),
+        }
     }
 
     /// Brings the film of a tile to the card.
-    fn send<P: Pod>(&self, buffers: &TileBuffers, tile: &[P]) {
+    fn send<P: Pod>(&self, memory: &TileMemory, tile: &[P]) {
+        /// Bytes that are looked at at a time.
+        const PIECE: usize = 1 << 14;
+        let film = &memory.films[0].buffer;
         let bytes: &[u8] = bytemuck::cast_slice(tile);
-        if bytes.iter().fold(0, |all, byte| all | byte) != 0 {
-            self.gpu.queue.write_buffer(&buffers.film, 0, bytes);
+        let is_empty = |piece: &[u8]| piece.iter().fold(0, |all, byte| all | byte) == 0;
+        if !bytes.chunks(PIECE).all(is_empty) {
+            self.gpu.queue.write_buffer(film, 0, bytes);
             return;
         }
         // Most films are empty at first; then nothing need travel.
         let mut encoder = encoder(self.gpu, "empty film");
-        encoder.clear_buffer(&buffers.film, 0, None);
+        encoder.clear_buffer(film, 0, None);
         self.gpu.queue.submit([encoder.finish()]);
     }
 
-    /// Renders all samples of a tile, a few per launch; `report` hears of the samples done.
-    fn render_tile(
+    /// Sums a node of the tree in the first film of a tile.
+    fn sum_blocks(
         &self,
-        buffers: &TileBuffers,
+        memory: &mut TileMemory,
         tile: LaunchSettings,
-        pace: &mut Pace,
-        report: &mut dyn FnMut(u64) -> ControlFlow<()>,
-    ) -> Result<(), DeviceError> {
+        launches: &mut Launches<'_>,
+    ) -> Result<Duration, DeviceError> {
+        let mut time = Duration::ZERO;
+        let mut waiting = 0;
+        for number in 0..tile.samples.div_ceil(BLOCK_SAMPLES) {
+            let before = number * BLOCK_SAMPLES;
+            let block = LaunchSettings {
+                first_sample: tile.first_sample + before,
+                samples: BLOCK_SAMPLES.min(tile.samples - before),
+                ..tile
+            };
+            // It is the right half of as many nodes as the next number is even times.
+            let joins = (number + 1).trailing_zeros() as usize;
+            time += self.add_samples(memory, block, Some(Place { film: waiting, joins }), launches)?;
+            waiting = waiting + 1 - joins;
+        }
+        Ok(time)
+    }
+
+    /// Adds samples to a tile, a few per launch: to its first film, or as a block, in a new one.
+    fn add_samples(
+        &self,
+        memory: &mut TileMemory,
+        tile: LaunchSettings,
+        block: Option<Place>,
+        launches: &mut Launches<'_>,
+    ) -> Result<Duration, DeviceError> {
         let gpu = self.gpu;
-        let pixels = u64::from(tile.tile_width) * u64::from(tile.tile_height);
+        let pixels = tile.tile_width * tile.tile_height;
+        let mut time = Duration::ZERO;
         let mut done = 0;
         while done < tile.samples {
-            let samples = pace.samples.min(tile.samples - done);
+            if let Some(clock) = memory.clock.as_mut().filter(|clock| clock.is_full()) {
+                launches.finish()?;
+                time += clock.fetch(gpu)?;
+            }
+            let samples = launches.samples().min(tile.samples - done);
             let launch = LaunchSettings { first_sample: tile.first_sample + done, samples, ..tile };
-            gpu.queue.write_buffer(&buffers.settings, 0, bytemuck::bytes_of(&launch));
+            // Comes to the card between the last launch and this one.
+            gpu.queue.write_buffer(&memory.settings, 0, bytemuck::bytes_of(&launch));
             let mut encoder = encoder(gpu, "render tile");
+            let film = &memory.films[block.map_or(0, |block| block.film)];
+            if block.is_some() && done == 0 {
+                encoder.clear_buffer(&film.buffer, 0, None);
+            }
             {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                     label: Some("render tile"),
-                    timestamp_writes: None,
+                    timestamp_writes: memory.clock.as_mut().map(|clock| clock.next()),
                 });
                 pass.set_pipeline(self.pipeline);
-                pass.set_bind_group(0, &buffers.bindings, &[]);
+                pass.set_bind_group(0, &film.bindings, &[]);
                 pass.dispatch_workgroups(
                     tile.tile_width.div_ceil(WORKGROUP),
                     tile.tile_height.div_ceil(WORKGROUP),
                     1,
                 );
             }
-            let start = Instant::now();
-            gpu.queue.submit([encoder.finish()]);
-            wait(gpu, "rendering")?;
-            pace.learn(samples, start.elapsed());
             done += samples;
-            if let ControlFlow::Break(()) = report(pixels * u64::from(samples)) {
-                return Err(DeviceError::Cancelled);
+            if let Some(block) = block.filter(|block| block.joins > 0 && done == tile.samples) {
+                let joiner = gpu.joiner()?;
+                let joined = memory.films[..=block.film].iter().rev().take(block.joins);
+                for films in joined.filter_map(|film| film.joining.as_ref()) {
+                    joiner.join(&mut encoder, films, pixels);
+                }
             }
+            launches.submit(encoder, samples, u64::from(pixels))?;
         }
-        Ok(())
+        Ok(time)
     }
 
-    /// Lets `use_film` see the bytes of the film of a tile.
+    /// Lets `use_film` see the bytes of the first film of a tile.
     fn read_back(
         &self,
-        buffers: &TileBuffers,
+        memory: &TileMemory,
         size: u64,
         use_film: &mut dyn FnMut(&[u8]),
     ) -> Result<(), DeviceError> {
         const DOING: &str = "reading the picture back";
         let gpu = self.gpu;
         let mut encoder = encoder(gpu, "read film back");
-        encoder.copy_buffer_to_buffer(&buffers.film, 0, &buffers.readback, 0, size);
+        encoder.copy_buffer_to_buffer(&memory.films[0].buffer, 0, &memory.readback, 0, size);
         gpu.queue.submit([encoder.finish()]);
         let (sender, receiver) = mpsc::channel();
-        buffers.readback.map_async(wgpu::MapMode::Read, 0..size, move |result| {
+        memory.readback.map_async(wgpu::MapMode::Read, 0..size, move |result| {
             // The receiver is gone only if the wait below failed, which is reported there.
             let _ = sender.send(result);
         });
@@ -209,71 +308,31 @@ impl<'a> TileRenderer<'a> {
             Ok(Err(error)) => return Err(gpu.failed(DOING, error.to_string())),
             Err(error) => return Err(gpu.failed(DOING, error.to_string())),
         }
-        let view = buffers
+        let view = memory
             .readback
             .get_mapped_range(0..size)
             .map_err(|error| gpu.failed(DOING, error.to_string()))?;
         use_film(&view);
         drop(view);
-        buffers.readback.unmap();
+        memory.readback.unmap();
         Ok(())
     }
 }
 
-/// How many samples fit into a launch, learnt from the launches before.
-struct Pace {
-    samples: u32,
+/// A block among the films of a tile.
+#[derive(Clone, Copy)]
+struct Place {
+    /// Number of the film that it is rendered in.
+    film: usize,
+    /// How often it is then added to the film before it, which takes its place.
+    joins: usize,
 }
 
-impl Pace {
-    fn learn(&mut self, samples: u32, elapsed: Duration) {
-        let ratio = LAUNCH_TIME.as_secs_f64() / elapsed.as_secs_f64().max(1e-4);
-        // Careful upwards: the next tile may be harder.
-        let next = (f64::from(samples) * ratio.min(4.0)).floor();
-        self.samples = (next as u32).max(1);
-    }
-}
-
-/// What a tile needs on the card besides the scene.
-struct TileBuffers {
-    settings: wgpu::Buffer,
-    film: wgpu::Buffer,
-    /// Through which the film comes back.
-    readback: wgpu::Buffer,
-    bindings: wgpu::BindGroup,
-}
-
-impl TileBuffers {
-    fn new(renderer: &TileRenderer<'_>, size: u64) -> Self {
-        let buffer = |label, size, usage| {
-            renderer.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
-        use wgpu::BufferUsages as Usage;
-        let settings =
-            buffer("launch settings", size_of::<LaunchSettings>() as u64, Usage::UNIFORM | Usage::COPY_DST);
-        let film = buffer("film", size, Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST);
-        let readback = buffer("film readback", size, Usage::MAP_READ | Usage::COPY_DST);
-        // Binding 0 is the header, 1 the settings, then the tables, last the film.
-        let ordered =
-            [&renderer.tables[0], &settings].into_iter().chain(&renderer.tables[1..]).chain([&film]);
-        let entries: Vec<_> = (0..)
-            .zip(ordered)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        let bindings = renderer.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("scene and tile"),
-            layout: &renderer.gpu.layout,
-            entries: &entries,
-        });
-        TileBuffers { settings, film, readback, bindings }
-    }
-}
-
-fn encoder(gpu: &Gpu, label: &'static str) -> wgpu::CommandEncoder {
-    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
+/// Copies bytes on all threads: memory that a card has written comes slowly through one.
+fn copy(target: &mut [u8], source: &[u8]) {
+    /// Bytes that one thread takes at a time.
+    const PIECE: usize = 1 << 20;
+    target.par_chunks_mut(PIECE).zip(source.par_chunks(PIECE)).for_each(|(target, source)| {
+        target.copy_from_slice(source);
+    });
 }
