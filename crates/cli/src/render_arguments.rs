@@ -66,12 +66,12 @@ pub struct RenderArguments {
 
     /// Save the unfinished picture to this film file every few minutes, at the end, and when Ctrl-C or the batch system
     /// stops the rendering; --resume goes on with it. Whatever happens, the file is whole: the last state that was saved
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["adaptive", "pixel"])]
+    #[arg(long, value_name = "FILE", conflicts_with = "pixel")]
     pub checkpoint: Option<PathBuf>,
 
     /// Go on with a film that --checkpoint saved, as if it had never been stopped, and keep saving it. The scene and all
     /// settings must be the same. With the same --checkpoint FILE a missing film means: start from the beginning
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["adaptive", "pixel"])]
+    #[arg(long, value_name = "FILE", conflicts_with = "pixel")]
     pub resume: Option<PathBuf>,
 
     /// Time between two savings of --checkpoint, for example 90, 90s or 10m [default: 5m]

@@ -174,8 +174,8 @@ fn noise_so_far(settings: &RenderSettings, sums: &FilmSums) -> f64 {
 }
 
 /// Samples per pixel that are taken before somebody is asked whether to go on.
-struct PassPace {
-    samples: u32,
+pub(crate) struct PassPace {
+    pub samples: u32,
 }
 
 impl PassPace {
@@ -186,11 +186,11 @@ impl PassPace {
     /// seconds for a small processor.
     const FIRST: u64 = 1 << 22;
 
-    fn new(pixels: u64) -> Self {
+    pub fn new(pixels: u64) -> Self {
         PassPace { samples: u32::try_from(Self::FIRST / pixels.max(1)).unwrap_or(u32::MAX).max(1) }
     }
 
-    fn learn(&mut self, samples: u32, elapsed: Duration) {
+    pub fn learn(&mut self, samples: u32, elapsed: Duration) {
         // Saturates.
         self.samples = ((f64::from(samples) * Self::SECONDS / elapsed.as_secs_f64().max(1e-6)) as u32).max(1);
     }
