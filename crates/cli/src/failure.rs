@@ -140,8 +140,8 @@ pub enum Failure {
     Signals(#[source] io::Error),
     /// Somebody asked to stop before there was anything to keep.
     #[error(
-        "stopped; nothing is written, because a picture of this size is not kept in memory, nor is one with --adaptive. \
-         With --checkpoint FILE it can be stopped and continued at any time"
+        "stopped; nothing is written, because a picture of this size is not kept in memory. With --checkpoint FILE it \
+         can be stopped and continued at any time"
     )]
     Interrupted {
         /// As shells have it for the signal.

@@ -7,10 +7,10 @@ use crate::failure::Failure;
 use crate::option_values::{Pixel, Size};
 use crate::progress::Messages;
 use crate::render_job::Job;
-use crate::rendering::Plan;
+use crate::rendering::{Kept, Plan};
 use crate::sequence_command;
 use crate::statistics::{Statistics, count_text, duration_text};
-use render::{Ending, PictureFormat, ReadyDevice, RenderSettings, Renderer};
+use render::{Ending, Goal, PictureFormat, ReadyDevice, RenderSettings, Renderer};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -64,8 +64,10 @@ pub fn run(arguments: &RenderArguments) -> Result<Answer, Failure> {
 
 /// How far it came, and how to go on.
 fn stopped(arguments: &RenderArguments, plan: &Plan, samples: u32) -> String {
-    let planned = match plan.goal {
-        Some(render::Goal::Samples(_)) => format!(" of {}", plan.wanted.end - plan.wanted.start),
+    let planned = match plan.kept {
+        Some(Kept::Even(Goal::Samples(_)) | Kept::Adaptive) => {
+            format!(" of {}", plan.wanted.end - plan.wanted.start)
+        }
         _ => String::new(),
     };
     let next = match checkpoints::path(arguments) {

@@ -174,9 +174,9 @@ impl<'a> Job<'a> {
             }
             other => other,
         };
-        let kept = match plan.goal {
-            Some(goal) => {
-                Some(render_film(arguments, plan, goal, loaded, &provenance, &follower).map_err(given_up)?)
+        let kept = match plan.kept {
+            Some(kept) => {
+                Some(render_film(arguments, plan, kept, loaded, &provenance, &follower).map_err(given_up)?)
             }
             None => None,
         };

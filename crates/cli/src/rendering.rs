@@ -1,14 +1,14 @@
 //! The part of `sunshine render` that takes long: samples, pass after pass, saved and stopped when asked to.
 
 use crate::arguments::RenderArguments;
-use crate::checkpoints::{self, Checkpoints};
+use crate::checkpoints::{self, Checkpoints, Saved};
 use crate::failure::Failure;
 use crate::interruption::Interruption;
 use crate::option_values::SampleRange;
 use crate::progress::{Messages, RenderProgress};
 use render::{
-    BAND_BYTES, BLOCK_SAMPLES, ControlFlow, Ending, Film, FilmSums, Goal, LoadedScene, Provenance,
-    RenderSettings, Sampling, StopRule, film_bytes, render_passes,
+    AdaptiveFilm, BAND_BYTES, BLOCK_SAMPLES, ControlFlow, Ending, Film, FilmSums, Goal, LoadedScene,
+    Provenance, RenderSettings, Sampling, StopRule, continue_adaptive, film_bytes, render_passes,
 };
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -17,10 +17,19 @@ use std::time::Instant;
 pub struct Plan {
     /// With the number of samples that their sequences are planned for.
     pub settings: RenderSettings,
-    /// How far, if the whole picture is kept in memory; else it is rendered band by band.
-    pub goal: Option<Goal>,
+    /// What is rendered into memory as a whole; else it is band by band.
+    pub kept: Option<Kept>,
     /// Numbers of the samples.
     pub wanted: SampleRange,
+}
+
+/// A picture that is in memory while it is rendered, and can be stopped and saved.
+#[derive(Clone, Copy)]
+pub enum Kept {
+    /// The same samples everywhere, so far.
+    Even(Goal),
+    /// More where it is noisy.
+    Adaptive,
 }
 
 impl Plan {
@@ -34,25 +43,28 @@ impl Plan {
         let plan = match arguments.sampling() {
             Sampling::Until(rule) => Plan {
                 settings: rule.planned(&settings),
-                goal: Some(Goal::Rule(rule)),
+                kept: Some(Kept::Even(Goal::Rule(rule))),
                 wanted: 0..rule.most_samples,
             },
             Sampling::Uniform if is_saved || film_bytes(&settings) <= BAND_BYTES => {
-                Plan { goal: Some(Goal::Samples(wanted.end)), settings, wanted }
+                Plan { kept: Some(Kept::Even(Goal::Samples(wanted.end))), settings, wanted }
             }
-            Sampling::Uniform | Sampling::Adaptive => Plan { goal: None, settings, wanted },
+            Sampling::Uniform => Plan { kept: None, settings, wanted },
+            Sampling::Adaptive => Plan { kept: Some(Kept::Adaptive), settings, wanted },
         };
-        if let Some(goal) = plan.goal {
-            // Before anything else is done.
-            render::check_kept(&plan.settings, goal)?;
+        // Before anything else is done.
+        match plan.kept {
+            Some(Kept::Even(goal)) => render::check_kept(&plan.settings, goal)?,
+            Some(Kept::Adaptive) => render::check_adaptive(&plan.settings)?,
+            None => {}
         }
         Ok(plan)
     }
 
     /// Samples of all pixels, and whether progress is measured by the time.
     fn total(&self) -> (u64, bool) {
-        match self.goal {
-            Some(Goal::Rule(StopRule { time: Some(time), .. })) => {
+        match self.kept {
+            Some(Kept::Even(Goal::Rule(StopRule { time: Some(time), .. }))) => {
                 (time.as_millis().try_into().unwrap_or(u64::MAX), true)
             }
             _ => {
@@ -115,7 +127,7 @@ impl Follower {
             interruption,
             told: AtomicBool::new(false),
             messages,
-            gives_up: plan.goal.is_none(),
+            gives_up: plan.kept.is_none(),
         }
     }
 
@@ -160,35 +172,49 @@ pub struct Rendered {
 pub fn render_film(
     arguments: &RenderArguments,
     plan: &Plan,
-    goal: Goal,
+    kept: Kept,
     scene: &dyn LoadedScene,
     provenance: &Provenance,
     follower: &Follower,
 ) -> Result<Rendered, Failure> {
+    let settings = &plan.settings;
     let messages = follower.messages;
-    let mut sums = checkpoints::sums(arguments, &plan.settings, &plan.wanted, provenance, messages)?;
-    let mut checkpoints = Checkpoints::new(arguments, &plan.settings, provenance.clone(), messages);
-    let continued = sums.pixels() as u64 * u64::from(sums.samples());
-    let start = Instant::now();
-    let mut after = |sums: &FilmSums| {
-        tracing::debug!(samples = sums.samples(), "a pass is done");
+    let mut checkpoints = Checkpoints::new(arguments, settings, provenance.clone(), messages);
+    let (continued, start);
+    let mut after = |film: &dyn Saved| {
+        tracing::debug!(samples = film.samples(), "a pass is done");
         scene.failures().iter().for_each(|failure| messages.line(&format!("warning: {failure}")));
-        checkpoints.save_now_and_then(sums);
+        checkpoints.save_now_and_then(film);
         match follower.interruption.is_asked() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }
     };
     let update = |done| follower.update(done);
-    let rendered = render_passes(scene, &plan.settings, goal, &mut sums, &update, &mut after);
+    let (rendered, film): (_, Box<dyn Saved>) = match kept {
+        Kept::Even(goal) => {
+            let mut sums = checkpoints::sums(arguments, settings, &plan.wanted, provenance, messages)?;
+            (continued, start) = (sums.taken(), Instant::now());
+            let after = &mut |sums: &FilmSums| after(sums);
+            (render_passes(scene, settings, goal, &mut sums, &update, after), Box::new(sums))
+        }
+        Kept::Adaptive => {
+            let mut film = checkpoints::adaptive_film(arguments, settings, provenance, messages)?;
+            (continued, start) = (film.taken(), Instant::now());
+            let after = &mut |film: &AdaptiveFilm| after(film);
+            (continue_adaptive(scene, settings, &mut film, &update, after), Box::new(film))
+        }
+    };
     let seconds = start.elapsed().as_secs_f64();
     scene.failures().iter().for_each(|failure| messages.line(&format!("warning: {failure}")));
     // Also what was finished before a device failed.
-    let saved = checkpoints.save(&sums);
+    let saved = checkpoints.save(&*film);
     let ending = rendered?;
     saved?;
-    let window = plan.settings.window();
-    let samples = sums.samples();
-    let film = Film { width: window.width, height: window.height, pixels: sums.into_total() };
-    Ok(Rendered { film, samples, ending, seconds, continued })
+    let samples = match (kept, ending) {
+        // As it is asked for, and not as it is rounded.
+        (Kept::Adaptive, Ending::Complete) => settings.samples,
+        _ => film.samples(),
+    };
+    Ok(Rendered { film: film.into_film(settings), samples, ending, seconds, continued })
 }

@@ -108,7 +108,11 @@ impl Series<'_> {
             _ => String::new(),
         };
         let (first, last) = (numbered(output, 1, *count), numbered(output, *written, *count));
-        format!("{exposure}{stopped}wrote {written} pictures, {} to {}\n", first.display(), last.display())
+        let wrote = match written {
+            1 => first.display().to_string(),
+            _ => format!("{written} pictures, {} to {}", first.display(), last.display()),
+        };
+        format!("{exposure}{stopped}wrote {wrote}\n")
     }
 }
 

@@ -152,7 +152,7 @@ fn what_does_not_fit_together_is_explained() {
     go_on(&["--samples", "4"], 1, &["not of this picture", "--samples 2", "--samples 4"]);
     go_on(&["--samples", "2", "--seed", "1"], 1, &["--seed 0", "--seed 1"]);
     go_on(&["--samples", "2", "--srgb-textures"], 1, &["--srgb-textures"]);
-    go_on(&["--adaptive"], 2, &["--adaptive"]);
+    go_on(&["--samples", "2", "--adaptive"], 1, &["made with no --adaptive, now there is --adaptive"]);
     let other = scene("first-plant");
     fails(
         at,
@@ -253,6 +253,64 @@ fn the_second_signal_stops_at_once() {
     signal(&child, "-INT");
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(names(at), ["log"]);
+}
+
+/// Stopped and gone on with again and again, as far as there is time for: on slow machines a run comes to its end before
+/// it is stopped.
+#[cfg(unix)]
+#[test]
+fn an_adaptive_picture_that_is_stopped_is_that_of_one_run_byte_for_byte() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let scene = scene("cornell-box");
+    let words = ["--size", "48x36", "--samples", "256", "--adaptive"];
+    let picture = |more: &[&'static str]| render(&scene, &[&words[..], more].concat());
+    succeeds(at, &picture(&["-o", "whole.exr", "--layers", "samples,variance"]));
+    let saved =
+        ["-o", "a.exr", "--layers", "samples,variance", "--checkpoint", "a.film", "--resume", "a.film"];
+    let saved = picture(&[&saved[..], &["--checkpoint-every", "0.001s"]].concat());
+    let mut stops = 0;
+    loop {
+        let _ = std::fs::remove_file(at.join("a.exr"));
+        let mut child = command(at, &saved).spawn().unwrap();
+        let before = std::fs::metadata(at.join("a.film")).and_then(|file| file.modified()).ok();
+        // Until something was added.
+        while child.try_wait().unwrap().is_none()
+            && std::fs::metadata(at.join("a.film")).and_then(|file| file.modified()).ok() == before
+        {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        // Every second time without a warning.
+        if stops % 2 == 0 {
+            signal(&child, "-INT");
+        } else {
+            child.kill().unwrap();
+        }
+        let output = child.wait_with_output().unwrap();
+        match output.status.code() {
+            Some(0) => break,
+            Some(130) => {
+                let shown = succeeds(at, &["show", "a.film"]);
+                assert!(shown.contains("--adaptive") && shown.contains("samples on average"), "{shown}");
+                assert!(at.join("a.exr").exists(), "the picture so far");
+            }
+            Some(code) => panic!("{code}: {}", text(&output.stderr)),
+            None => {}
+        }
+        stops += 1;
+        if stops == 20 {
+            succeeds(at, &saved);
+            break;
+        }
+    }
+    println!("{stops} stops");
+    assert!(bytes(at, "a.exr") == bytes(at, "whole.exr"));
+    // Only going on with it is possible.
+    fails(at, &["merge", "a.film", "-o", "b.png"], 1, &["a.film", "made with --adaptive"]);
+    let other = picture(&["--seed", "1", "--resume", "a.film", "-o", "b.png"]);
+    fails(at, &other, 1, &["--seed 0", "--seed 1"]);
+    let even = render(&scene, &["--size", "48x36", "--samples", "256", "--resume", "a.film", "-o", "b.png"]);
+    fails(at, &even, 1, &["made with --adaptive, now there is no --adaptive"]);
 }
 
 /// Numbers that look random, the same ones every time (Marsaglia 2003).

@@ -8,7 +8,11 @@
 //!
 //! Sobol sequences are planned for the most samples that a pixel may get, as in `passes`.
 
-use crate::{Batch, DeviceError, Film, LoadedScene, Progress, RenderSettings};
+use crate::film_memory::check_film;
+use crate::passes::{PassPace, Watch};
+use crate::{
+    Batch, ControlFlow, DeviceError, Ending, Film, LoadedScene, Progress, RenderError, RenderSettings,
+};
 use kernels::records::kernel::FilmPixel;
 use std::array;
 
@@ -21,6 +25,137 @@ const MOST: f64 = 16.0;
 /// Joined to the seed for the second half.
 const OTHER_HALF: u32 = 0x9e37_79b9;
 
+/// An adaptive rendering in the making.
+#[derive(Clone, Debug)]
+pub struct AdaptiveFilm {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) halves: [Half; 2],
+    /// Whether it is known how many samples every pixel shall have.
+    pub(crate) is_planned: bool,
+}
+
+/// One of the two independent halves.
+#[derive(Clone, Debug)]
+pub(crate) struct Half {
+    /// The first sample that no pixel has yet.
+    pub end: u32,
+    /// Sums of the samples before `end`. The number of samples is that which the pixel has or, once that is planned,
+    /// shall have.
+    pub pixels: Vec<FilmPixel>,
+}
+
+/// How an adaptive rendering spends its samples.
+struct Shares {
+    /// Settings of the halves.
+    halves: [RenderSettings; 2],
+    /// Samples that every pixel of a half gets first.
+    first: u32,
+    /// What it gets on top, on average.
+    more: f64,
+}
+
+impl Shares {
+    fn of(settings: &RenderSettings) -> Self {
+        let per_half = f64::from(settings.samples.max(4)) / 2.0;
+        let first = ((per_half * FIRST_SHARE).round() as u32).max(2);
+        let halves = [settings.seed, settings.seed ^ OTHER_HALF].map(|seed| RenderSettings {
+            seed,
+            samples: (per_half * MOST) as u32,
+            ..settings.clone()
+        });
+        Shares { halves, first, more: per_half - f64::from(first) }
+    }
+}
+
+impl AdaptiveFilm {
+    /// Nothing yet.
+    pub fn new(settings: &RenderSettings) -> Self {
+        let Film { width, height, pixels } = Film::of(settings);
+        let half = Half { end: 0, pixels };
+        AdaptiveFilm { width, height, halves: [half.clone(), half], is_planned: false }
+    }
+
+    /// Number of pixels.
+    pub fn pixels(&self) -> usize {
+        self.halves[0].pixels.len()
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    /// Samples of all pixels that are in it.
+    pub fn taken(&self) -> u64 {
+        self.halves.iter().flat_map(Half::taken).map(|pixel| u64::from(pixel.samples)).sum()
+    }
+
+    /// Samples per pixel that are in it, on average.
+    pub fn samples(&self) -> u32 {
+        let pixels = self.pixels().max(1) as u64;
+        u32::try_from((self.taken() + pixels / 2) / pixels).unwrap_or(u32::MAX)
+    }
+
+    /// Whether it can be a film of a picture with these settings. What a file says might be anything.
+    pub fn is_of(&self, settings: &RenderSettings) -> bool {
+        let window = settings.window();
+        let Shares { halves: [half, _], first, .. } = Shares::of(settings);
+        let allowed = if self.is_planned { first..=half.samples.max(first) } else { 0..=first };
+        let fits = |half: &Half| {
+            allowed.contains(&half.end) && half.pixels.iter().all(|pixel| allowed.contains(&pixel.samples))
+        };
+        (window.width, window.height) == (self.width, self.height) && self.halves.iter().all(fits)
+    }
+
+    /// The picture so far.
+    pub fn film(&self) -> Film {
+        let [a, b] = &self.halves;
+        let pixels = a.taken().zip(b.taken()).map(|(a, b)| join(&a, &b)).collect();
+        Film { width: self.width, height: self.height, pixels }
+    }
+
+    /// Decides how many samples every pixel shall have, each half by the other.
+    fn plan(&mut self, shares: &Shares) {
+        let [a, b] = &self.halves;
+        let wanted = [b, a].map(|other| {
+            let film = Film { width: self.width, height: self.height, pixels: other.pixels.clone() };
+            sample_counts(&film, shares.first, shares.more)
+        });
+        for (half, wanted) in self.halves.iter_mut().zip(wanted) {
+            for (pixel, wanted) in half.pixels.iter_mut().zip(wanted) {
+                pixel.samples = wanted;
+            }
+        }
+        self.is_planned = true;
+    }
+
+    /// The half that is worked at next, and the last sample of its pixels, which is not taken any more.
+    fn next(&self, shares: &Shares) -> Option<(usize, u32)> {
+        let ends = self.halves.iter().map(|half| match self.is_planned {
+            false => shares.first,
+            true => half.pixels.iter().map(|pixel| pixel.samples).max().unwrap_or(0),
+        });
+        ends.enumerate().find(|(half, end)| self.halves[*half].end < *end)
+    }
+}
+
+impl Half {
+    /// Its pixels with the number of samples that are in them.
+    fn taken(&self) -> impl Iterator<Item = FilmPixel> + '_ {
+        self.pixels.iter().map(|pixel| FilmPixel { samples: pixel.samples.min(self.end), ..*pixel })
+    }
+}
+
+/// Whether an adaptive rendering fits into memory: both halves, and the one that samples are being added to again.
+///
+/// # Errors
+/// [`RenderError::FilmTooLarge`] if it does not.
+pub fn check_adaptive(settings: &RenderSettings) -> Result<(), RenderError> {
+    let window = settings.window();
+    check_film(3 * u64::from(window.width) * u64::from(window.height) * size_of::<FilmPixel>() as u64)
+}
+
 /// Renders a picture with `settings.samples` per pixel on average, at least four.
 ///
 /// # Errors
@@ -30,40 +165,51 @@ pub fn render_adaptive(
     settings: &RenderSettings,
     progress: &Progress<'_>,
 ) -> Result<Film, DeviceError> {
-    let per_half = f64::from(settings.samples.max(4)) / 2.0;
-    let first = ((per_half * FIRST_SHARE).round() as u32).max(2);
-    let halves = [settings.seed, settings.seed ^ OTHER_HALF].map(|seed| RenderSettings {
-        seed,
-        samples: (per_half * MOST) as u32,
-        ..settings.clone()
-    });
-    let mut done = 0;
-    let mut films = Vec::new();
-    for half in &halves {
-        let mut film = Film::of(half);
-        let batch = Batch { samples: first, ..Batch::whole(half) };
-        scene.add_samples(half, &batch, &mut film.pixels, &|samples| progress(done + samples))?;
-        done += film.pixels.len() as u64 * u64::from(first);
-        films.push(film);
-    }
-    let wanted: [Vec<u32>; 2] =
-        array::from_fn(|half| sample_counts(&films[1 - half], first, per_half - f64::from(first)));
-    for ((half, film), wanted) in halves.iter().zip(&mut films).zip(wanted) {
-        // Continued where the first samples ended.
-        let most = wanted.iter().copied().max().unwrap_or(first);
-        for (pixel, wanted) in film.pixels.iter_mut().zip(&wanted) {
-            pixel.samples = *wanted;
+    let mut film = AdaptiveFilm::new(settings);
+    continue_adaptive(scene, settings, &mut film, progress, &mut |_| ControlFlow::Continue(()))?;
+    Ok(film.film())
+}
+
+/// Adds passes to `film` until it has `settings.samples` per pixel on average. `after` is asked between them whether to
+/// go on, `progress` hears of all samples of the picture, those that were there before included. What comes out does
+/// not depend on the passes.
+///
+/// # Errors
+/// As [`LoadedScene::add_samples`]; all samples of finished passes are in `film` nevertheless.
+pub fn continue_adaptive(
+    scene: &dyn LoadedScene,
+    settings: &RenderSettings,
+    film: &mut AdaptiveFilm,
+    progress: &Progress<'_>,
+    after: &mut dyn FnMut(&AdaptiveFilm) -> ControlFlow<()>,
+) -> Result<Ending, DeviceError> {
+    let shares = Shares::of(settings);
+    let pixel_count = film.pixels() as u64;
+    let mut pace = PassPace::new(pixel_count);
+    loop {
+        if !film.is_planned && film.next(&shares).is_none() {
+            film.plan(&shares);
         }
-        let batch = Batch { first_sample: first, samples: most - first, counted: true, ..Batch::whole(half) };
-        scene.add_samples(half, &batch, &mut film.pixels, &|samples| progress(done + samples))?;
-        done += wanted.iter().map(|wanted| u64::from(wanted - first)).sum::<u64>();
+        let Some((index, end)) = film.next(&shares) else { return Ok(Ending::Complete) };
+        let half = &shares.halves[index];
+        let first_sample = film.halves[index].end;
+        let samples = pace.samples.min(end - first_sample);
+        let batch = Batch { first_sample, samples, counted: film.is_planned, ..Batch::whole(half) };
+        let taken = film.taken();
+        let watch = Watch::start();
+        // A device that fails leaves some tiles with the new samples and some without.
+        let mut pixels = film.halves[index].pixels.clone();
+        scene.add_samples(half, &batch, &mut pixels, &|more| {
+            watch.note(more);
+            progress(taken + more)
+        })?;
+        film.halves[index] = Half { end: first_sample + samples, pixels };
+        pace.learn(&watch.finish(pixel_count, samples));
+        if after(film).is_break() {
+            let is_complete = film.is_planned && film.next(&shares).is_none();
+            return Ok(if is_complete { Ending::Complete } else { Ending::Stopped });
+        }
     }
-    let mut joined = Film::of(settings);
-    let halves = films[0].pixels.iter().zip(&films[1].pixels);
-    for (pixel, (a, b)) in joined.pixels.iter_mut().zip(halves) {
-        *pixel = join(a, b);
-    }
-    Ok(joined)
 }
 
 /// Samples of every pixel, the `first` ones included; `more` are added on average. They grow with the estimated
@@ -119,6 +265,10 @@ fn sample_counts(film: &Film, first: u32, more: f64) -> Vec<u32> {
 
 /// The pixel whose mean is that of the means of two, and whose variance follows from theirs.
 fn join(a: &FilmPixel, b: &FilmPixel) -> FilmPixel {
+    // Of an unfinished picture.
+    if a.samples == 0 || b.samples == 0 {
+        return if b.samples == 0 { *a } else { *b };
+    }
     let samples = a.samples + b.samples;
     let n = samples as f32;
     let moments = |pixel: &FilmPixel| {

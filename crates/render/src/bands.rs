@@ -1,7 +1,7 @@
 //! A picture band by band: rows are rendered, handed on and forgotten, so that memory does not grow with the picture.
 
 use crate::film::mean_radiance;
-use crate::film_memory::{check_film, check_kept};
+use crate::film_memory::check_kept;
 use crate::passes::{StopRule, render_until};
 use crate::{Batch, Film, FilmSums, Goal, LoadedScene, Progress, RenderError, RenderSettings, adaptive};
 use bytemuck::Zeroable;
@@ -105,9 +105,7 @@ pub fn render_bands<'a>(
         Samples::Taken(film) => (settings, Some(film)),
         Samples::ToTake(Sampling::Uniform) => (settings, None),
         Samples::ToTake(Sampling::Adaptive) => {
-            let window = settings.window();
-            let halves = 2 * u64::from(window.width) * u64::from(window.height);
-            check_film(halves * size_of::<FilmPixel>() as u64)?;
+            adaptive::check_adaptive(settings)?;
             rendered = adaptive::render_adaptive(scene, settings, progress)?;
             (settings, Some(&rendered))
         }

@@ -259,13 +259,21 @@ pub trait LoadedScene: Send + Sync {
     }
 }
 
+fn no_such_gpu(wanted: usize, found: &str) -> String {
+    match found {
+        "none" => "no graphics card with a driver for Vulkan, Metal or Direct3D 12 was found; `--device cpu` always works"
+            .to_owned(),
+        _ => format!(
+            "there is no GPU number {wanted}; found: {found}. `sunshine devices` lists them, `--device cpu` always works"
+        ),
+    }
+}
+
 /// Why a device could not do its work.
 #[derive(Debug, thiserror::Error)]
 pub enum DeviceError {
     /// The user asked for a graphics card that is not there.
-    #[error(
-        "there is no GPU number {wanted}; found: {found}. `sunshine devices` lists them, `--device cpu` always works"
-    )]
+    #[error("{}", no_such_gpu(*wanted, found))]
     NoSuchGpu {
         /// What was asked for.
         wanted: usize,

@@ -1,11 +1,14 @@
-//! Files of unfinished pictures: what was collected so far, to be continued or joined. `docs/film.md` describes the
-//! format.
+//! Files of unfinished pictures: what was collected so far, to be continued or joined. `docs/long-renders.md`
+//! describes the format.
+
+mod adaptive;
+mod bytes;
 
 use crate::film_memory::film_limit;
 use crate::sums::{BLOCK_SAMPLES, Part, is_node};
 use crate::{Film, FilmSums, Provenance, write_whole_file};
-use kernels::records::kernel::FilmPixel;
-use sha2::{Digest, Sha256};
+pub use adaptive::{AdaptiveFilmFile, write_adaptive_film};
+use bytes::{Head, Summed};
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
@@ -13,18 +16,22 @@ use std::path::Path;
 /// First bytes of a film file. As in PNG, a byte that is no text and two kinds of line ends, so that a transfer that
 /// changes text does not go unnoticed.
 pub const FILM_MAGIC: [u8; 8] = *b"\x93SUN\r\n\x1a\n";
-/// Version of the format.
-const VERSION: u32 = 1;
-/// Most bytes of the text.
-const MOST_TEXT: u32 = 1 << 16;
-/// Largest edge of a picture in pixels.
-const LONGEST_EDGE: u32 = 1 << 16;
+/// Version of the format of films in which every pixel has the same samples.
+const UNIFORM: u32 = 1;
+/// Version of the format of films with more samples where the picture is noisy.
+const ADAPTIVE: u32 = 2;
+const VERSIONS: [u32; 2] = [UNIFORM, ADAPTIVE];
 /// Most parts: two for each binary digit of the number of samples, and more than sensible shares leave.
 const MOST_PARTS: u32 = 1 << 10;
-const PIXEL_BYTES: u64 = size_of::<FilmPixel>() as u64;
-const CHECKSUM_BYTES: u64 = 32;
-/// Pixels that are read or written at a time.
-const PIECE: usize = 1 << 14;
+
+/// A film of either kind.
+#[derive(Clone, Debug)]
+pub enum SavedFilm {
+    /// Every pixel has the same samples.
+    Uniform(FilmFile),
+    /// More samples where the picture is noisy.
+    Adaptive(AdaptiveFilmFile),
+}
 
 /// An unfinished picture, or a share of one.
 #[derive(Clone, Debug)]
@@ -49,7 +56,9 @@ pub enum FilmFileError {
     #[error("this is no film of Sunshine; --checkpoint writes them")]
     NotAFilm,
     /// It is newer than this program.
-    #[error("the film has format {found}, this program knows {VERSION}; use a newer version of Sunshine")]
+    #[error(
+        "the film has format {found}, this program knows {UNIFORM} and {ADAPTIVE}; use a newer version of Sunshine"
+    )]
     Version {
         /// Version of the format in the file.
         found: u32,
@@ -76,6 +85,44 @@ pub enum FilmFileError {
     /// It contradicts itself.
     #[error("the film is damaged: {0}")]
     Inconsistent(&'static str),
+    /// It is no share of a picture.
+    #[error("the film was made with --adaptive: it holds a whole picture, which only --resume goes on with")]
+    Adaptive,
+}
+
+impl SavedFilm {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// If it cannot be read, is damaged or too large.
+    pub fn read(path: &Path) -> Result<Self, FilmFileError> {
+        let file = File::open(path)?;
+        // What is no ordinary file has no length, and reading may never end.
+        let metadata = file.metadata()?;
+        if !metadata.is_file() {
+            return Err(FilmFileError::NotAFilm);
+        }
+        Self::read_from(BufReader::with_capacity(1 << 18, file), metadata.len(), film_limit())
+    }
+
+    /// Reads a file of `length` bytes that may take `limit` bytes of memory.
+    pub(crate) fn read_from(file: impl Read, length: u64, limit: u64) -> Result<Self, FilmFileError> {
+        let mut file = Summed::new(file);
+        let head = Head::read(&mut file, length)?;
+        if head.version == ADAPTIVE {
+            adaptive::read(head, file, length, limit).map(SavedFilm::Adaptive)
+        } else {
+            read_uniform(head, file, length, limit).map(SavedFilm::Uniform)
+        }
+    }
+
+    /// How it came about.
+    pub fn provenance(&self) -> &Provenance {
+        match self {
+            SavedFilm::Uniform(film) => &film.provenance,
+            SavedFilm::Adaptive(film) => &film.provenance,
+        }
+    }
 }
 
 impl FilmFile {
@@ -90,23 +137,12 @@ impl FilmFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// If it cannot be read, is damaged or too large.
+    /// If it cannot be read, is damaged or too large, or is of the other kind.
     pub fn read(path: &Path) -> Result<Self, FilmFileError> {
-        Self::read_within(path, film_limit())
-    }
-
-    /// As [`FilmFile::read`], if it takes at most `limit` bytes of memory.
-    ///
-    /// # Errors
-    /// As [`FilmFile::read`].
-    pub fn read_within(path: &Path, limit: u64) -> Result<Self, FilmFileError> {
-        let file = File::open(path)?;
-        // What is no ordinary file has no length, and reading may never end.
-        let metadata = file.metadata()?;
-        if !metadata.is_file() {
-            return Err(FilmFileError::NotAFilm);
+        match SavedFilm::read(path)? {
+            SavedFilm::Uniform(film) => Ok(film),
+            SavedFilm::Adaptive(_) => Err(FilmFileError::Adaptive),
         }
-        read_film(BufReader::with_capacity(1 << 18, file), metadata.len(), limit)
     }
 
     /// The picture so far.
@@ -125,99 +161,56 @@ pub fn write_film(
     (width, height): (u32, u32),
     sums: &FilmSums,
 ) -> io::Result<()> {
-    write_whole_file(path, |file| {
-        let mut out = Summed { inner: file, sum: Sha256::new() };
-        let text = provenance.to_string();
-        let length = u32::try_from(text.len()).ok().filter(|length| *length <= MOST_TEXT);
-        let length = length.ok_or_else(|| io::Error::other("the settings are too long for a film"))?;
-        out.write_all(&FILM_MAGIC)?;
-        out.write_numbers(&[VERSION, length])?;
-        out.write_all(text.as_bytes())?;
-        // Fewer than the digits of a 32-bit number.
-        out.write_numbers(&[width, height, BLOCK_SAMPLES, sums.parts().len() as u32])?;
-        for part in sums.parts() {
-            out.write_numbers(&[part.samples.start, part.samples.end])?;
-        }
-        let mut bytes = Vec::new();
-        for pixels in sums.parts().iter().flat_map(|part| part.pixels.chunks(PIECE)) {
-            bytes.clear();
-            pixels.iter().for_each(|pixel| bytes.extend_from_slice(&pixel_bytes(pixel)));
-            out.write_all(&bytes)?;
-        }
-        let sum = out.sum.clone().finalize();
-        out.inner.write_all(&sum)
-    })
+    write_whole_file(path, |file| write_uniform(file, provenance, (width, height), sums))
 }
 
-fn read_film(file: impl Read, length: u64, limit: u64) -> Result<FilmFile, FilmFileError> {
+fn write_uniform(
+    file: impl Write,
+    provenance: &Provenance,
+    size: (u32, u32),
+    sums: &FilmSums,
+) -> io::Result<()> {
+    let mut out = Summed::new(file);
+    Head::write(&mut out, UNIFORM, &provenance.to_string(), size)?;
+    // Fewer than the digits of a 32-bit number.
+    out.write_numbers(&[BLOCK_SAMPLES, sums.parts().len() as u32])?;
+    for part in sums.parts() {
+        out.write_numbers(&[part.samples.start, part.samples.end])?;
+    }
+    for part in sums.parts() {
+        out.write_pixels(&part.pixels)?;
+    }
+    out.write_checksum()
+}
+
+fn read_uniform(
+    head: Head,
+    mut file: Summed<impl Read>,
+    length: u64,
+    limit: u64,
+) -> Result<FilmFile, FilmFileError> {
     use FilmFileError::Inconsistent;
-    let mut file = Summed { inner: file, sum: Sha256::new() };
-    let mut magic = [0; FILM_MAGIC.len()];
-    match file.read_exact(&mut magic) {
-        Err(error) if error.kind() != io::ErrorKind::UnexpectedEof => return Err(error.into()),
-        Ok(()) if magic == FILM_MAGIC => {}
-        _ => return Err(FilmFileError::NotAFilm),
-    }
-    let header = |file: &mut Summed<_>| file.number().map_err(|error| cut_off(error, length));
-    let version = header(&mut file)?;
-    if version != VERSION {
-        return Err(FilmFileError::Version { found: version });
-    }
-    let text_length = header(&mut file)?;
-    if text_length > MOST_TEXT {
-        return Err(Inconsistent("its text is too long"));
-    }
-    let mut text = vec![0; text_length as usize];
-    file.read_exact(&mut text).map_err(|error| cut_off(error, length))?;
-    let text = String::from_utf8(text).map_err(|_| Inconsistent("its text is not readable"))?;
-    let (width, height) = (header(&mut file)?, header(&mut file)?);
-    if !(1..=LONGEST_EDGE).contains(&width) || !(1..=LONGEST_EDGE).contains(&height) {
-        return Err(Inconsistent("its size is impossible"));
-    }
-    if header(&mut file)? != BLOCK_SAMPLES {
+    if file.header(length)? != BLOCK_SAMPLES {
         return Err(Inconsistent("it was summed in other blocks"));
     }
-    let count = header(&mut file)?;
+    let count = file.header(length)?;
     if count > MOST_PARTS {
         return Err(Inconsistent("it has too many parts"));
     }
     let mut ranges = Vec::new();
     for _ in 0..count {
-        ranges.push(header(&mut file)?..header(&mut file)?);
+        ranges.push(file.header(length)?..file.header(length)?);
     }
     if !ranges.iter().all(is_node) {
         return Err(Inconsistent("its samples are divided in an impossible way"));
     }
-    // At most 2^10 parts of 2^32 pixels of 2^5 bytes. Before memory is taken the file must have that length.
-    let pixels = u64::from(width) * u64::from(height);
-    let film_bytes = u64::from(count) * pixels * PIXEL_BYTES;
-    let header_bytes = FILM_MAGIC.len() as u64 + 24 + u64::from(text_length) + 8 * u64::from(count);
-    let expected = header_bytes + film_bytes + CHECKSUM_BYTES;
-    if length != expected {
-        return Err(FilmFileError::Length { found: length, expected });
-    }
-    if film_bytes > limit {
-        return Err(FilmFileError::TooLarge { needed: film_bytes, limit });
-    }
-    let pixels = pixels as usize;
+    head.check_length(8 + 8 * u64::from(count), count, length, limit)?;
+    let pixels = head.pixels() as usize;
     let mut parts = Vec::new();
-    let mut bytes = Vec::new();
     for samples in ranges {
-        let mut collected = Vec::with_capacity(pixels);
-        while collected.len() < pixels {
-            let piece = PIECE.min(pixels - collected.len());
-            bytes.resize(piece * PIXEL_BYTES as usize, 0);
-            file.read_exact(&mut bytes).map_err(|error| cut_off(error, expected))?;
-            collected.extend(bytes.as_chunks().0.iter().map(pixel_of));
-        }
-        parts.push(Part { samples, pixels: collected });
+        parts.push(Part { samples, pixels: file.pixels(pixels, length)? });
     }
-    let sum = file.sum.clone().finalize();
-    let mut stored = [0; CHECKSUM_BYTES as usize];
-    file.inner.read_exact(&mut stored).map_err(|error| cut_off(error, expected))?;
-    if stored[..] != sum[..] {
-        return Err(FilmFileError::Checksum);
-    }
+    file.check(length)?;
     let counts = |part: &Part| {
         let samples = part.samples.end - part.samples.start;
         part.pixels.iter().all(|pixel| pixel.samples == samples)
@@ -227,81 +220,18 @@ fn read_film(file: impl Read, length: u64, limit: u64) -> Result<FilmFile, FilmF
     }
     let sums = FilmSums::of_parts(pixels, parts);
     let sums = sums.ok_or(Inconsistent("its samples are divided in an impossible way"))?;
+    let Head { text, width, height, .. } = head;
     Ok(FilmFile { provenance: Provenance::parse(&text), width, height, sums })
-}
-
-/// The end of a file that should go on.
-fn cut_off(error: io::Error, found: u64) -> FilmFileError {
-    match error.kind() {
-        // How long it should be is not known yet, only that it is longer.
-        io::ErrorKind::UnexpectedEof => FilmFileError::Length { found, expected: found + 1 },
-        _ => error.into(),
-    }
-}
-
-/// In the order of the record's fields; all numbers in this format have their lowest byte first.
-fn pixel_bytes(pixel: &FilmPixel) -> [u8; PIXEL_BYTES as usize] {
-    let [r, g, b] = pixel.radiance.to_array().map(f32::to_bits);
-    let [rr, gg, bb] = pixel.squares.to_array().map(f32::to_bits);
-    let mut bytes = [0; PIXEL_BYTES as usize];
-    for (place, number) in
-        bytes.as_chunks_mut().0.iter_mut().zip([r, g, b, pixel.rays, rr, gg, bb, pixel.samples])
-    {
-        *place = number.to_le_bytes();
-    }
-    bytes
-}
-
-fn pixel_of(bytes: &[u8; PIXEL_BYTES as usize]) -> FilmPixel {
-    let mut numbers = [0; 8];
-    for (number, place) in numbers.iter_mut().zip(bytes.as_chunks().0) {
-        *number = u32::from_le_bytes(*place);
-    }
-    let [r, g, b, rays, rr, gg, bb, samples] = numbers;
-    FilmPixel {
-        radiance: [r, g, b].map(f32::from_bits).into(),
-        rays,
-        squares: [rr, gg, bb].map(f32::from_bits).into(),
-        samples,
-    }
-}
-
-/// Reads or writes and sums up what passes.
-struct Summed<F> {
-    inner: F,
-    sum: Sha256,
-}
-
-impl<F: Write> Summed<F> {
-    fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.sum.update(bytes);
-        self.inner.write_all(bytes)
-    }
-
-    fn write_numbers(&mut self, numbers: &[u32]) -> io::Result<()> {
-        numbers.iter().try_for_each(|number| self.write_all(&number.to_le_bytes()))
-    }
-}
-
-impl<F: Read> Summed<F> {
-    fn read_exact(&mut self, bytes: &mut [u8]) -> io::Result<()> {
-        self.inner.read_exact(bytes)?;
-        self.sum.update(bytes);
-        Ok(())
-    }
-
-    fn number(&mut self) -> io::Result<u32> {
-        let mut bytes = [0; 4];
-        self.read_exact(&mut bytes)?;
-        Ok(u32::from_le_bytes(bytes))
-    }
 }
 
 #[cfg(test)]
 #[allow(clippy::single_range_in_vec_init, reason = "ranges of samples are meant")]
 mod tests {
+    use super::bytes::CHECKSUM_BYTES;
     use super::*;
     use bytemuck::Zeroable;
+    use kernels::records::kernel::FilmPixel;
+    use sha2::{Digest, Sha256};
 
     /// 3 x 2 pixels with samples 0 to 192 and 256 to 260.
     fn film() -> FilmFile {
@@ -328,7 +258,14 @@ mod tests {
     }
 
     fn read(bytes: &[u8]) -> Result<FilmFile, FilmFileError> {
-        read_film(bytes, bytes.len() as u64, 1 << 20)
+        read_within(bytes, 1 << 20)
+    }
+
+    fn read_within(bytes: &[u8], limit: u64) -> Result<FilmFile, FilmFileError> {
+        match SavedFilm::read_from(bytes, bytes.len() as u64, limit)? {
+            SavedFilm::Uniform(film) => Ok(film),
+            SavedFilm::Adaptive(_) => Err(FilmFileError::Adaptive),
+        }
     }
 
     /// With the checksum that belongs to it.
@@ -391,7 +328,7 @@ mod tests {
         let end = forged.len() - CHECKSUM_BYTES as usize;
         forged[end - 4] ^= 1;
         assert!(matches!(read(&signed(forged)), Err(FilmFileError::Inconsistent(_))));
-        assert!(matches!(read_film(&bytes[..], bytes.len() as u64, 99), Err(FilmFileError::TooLarge { .. })));
+        assert!(matches!(read_within(&bytes, 99), Err(FilmFileError::TooLarge { .. })));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! hierarchy; a [`Device`] renders the [`CompiledScene`] into a [`Film`]. The two devices, [`cpu`] and [`gpu`],
 //! run the same kernels.
 
-pub mod adaptive;
+mod adaptive;
 mod bands;
 mod compile;
 pub mod cpu;
@@ -14,6 +14,8 @@ mod events;
 mod film;
 mod film_file;
 mod film_memory;
+#[doc(hidden)]
+pub mod fuzzing;
 pub mod gpu;
 mod open;
 mod passes;
@@ -27,13 +29,16 @@ mod several;
 mod sums;
 mod tone_curve;
 
+pub use adaptive::{AdaptiveFilm, check_adaptive, continue_adaptive, render_adaptive};
 pub use bands::{BAND_BYTES, Band, BandStatistics, Samples, Sampling, band_rows, render_bands};
 pub use compile::{Acceleration, CompileError, CompiledScene, View, compile, compile_with};
 pub use denoised::{DenoiseFunction, NoisyPicture, check_denoised_size, render_denoised};
 pub use device::{Batch, ControlFlow, Device, DeviceError, LoadedScene, Progress, RenderSettings};
 pub use events::pixel_events;
 pub use film::{Film, automatic_exposure};
-pub use film_file::{FILM_MAGIC, FilmFile, FilmFileError, write_film};
+pub use film_file::{
+    AdaptiveFilmFile, FILM_MAGIC, FilmFile, FilmFileError, SavedFilm, write_adaptive_film, write_film,
+};
 pub use film_memory::{check_kept, film_bytes, film_limit};
 pub use gpu::{GpuInfo, list_gpus};
 pub use open::{DeviceChoice, ReadyDevice, automatic_gpu, load_for, open_device};

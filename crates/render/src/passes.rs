@@ -182,8 +182,8 @@ fn noise_so_far(settings: &RenderSettings, sums: &FilmSums) -> f64 {
 }
 
 /// Samples per pixel that are taken before somebody is asked whether to go on.
-struct PassPace {
-    samples: u32,
+pub(crate) struct PassPace {
+    pub samples: u32,
     last: PassTime,
 }
 
@@ -195,12 +195,12 @@ impl PassPace {
     /// seconds for a small processor.
     const FIRST: u64 = 1 << 22;
 
-    fn new(pixels: u64) -> Self {
+    pub fn new(pixels: u64) -> Self {
         let samples = u32::try_from(Self::FIRST / pixels.max(1)).unwrap_or(u32::MAX).max(1);
         PassPace { samples, last: PassTime::default() }
     }
 
-    fn learn(&mut self, pass: &PassTime) {
+    pub fn learn(&mut self, pass: &PassTime) {
         // Saturates.
         self.samples = ((Self::SECONDS / pass.sample.max(1e-9)) as u32).max(1);
         self.last = *pass;
@@ -214,7 +214,7 @@ impl PassPace {
 
 /// Seconds of a pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct PassTime {
+pub(crate) struct PassTime {
     /// For a sample of all pixels.
     sample: f64,
     /// For what is done once, however many samples there are.
@@ -222,18 +222,18 @@ struct PassTime {
 }
 
 /// How fast a pass goes.
-struct Watch {
+pub(crate) struct Watch {
     start: Instant,
     /// The first and the last report: when, and how many samples of all pixels were done.
     reports: Mutex<Option<[(Instant, u64); 2]>>,
 }
 
 impl Watch {
-    fn start() -> Self {
+    pub fn start() -> Self {
         Watch { start: Instant::now(), reports: Mutex::new(None) }
     }
 
-    fn note(&self, samples: u64) {
+    pub fn note(&self, samples: u64) {
         let mut reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
         let now = (Instant::now(), samples);
         match &mut *reports {
@@ -245,7 +245,7 @@ impl Watch {
     }
 
     /// The time of so many samples of so many pixels.
-    fn finish(self, pixels: u64, samples: u32) -> PassTime {
+    pub fn finish(self, pixels: u64, samples: u32) -> PassTime {
         let all = self.start.elapsed().as_secs_f64();
         let reports = self.reports.into_inner().unwrap_or_else(PoisonError::into_inner);
         let between =

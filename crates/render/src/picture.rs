@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 
 pub use encode::shown_colour;
 pub use layers::{Layer, Layers, Origins};
+pub(crate) use record::record_of;
 pub use record::{RecordError, read_record};
 pub use stream::{BandSink, PictureTarget, stream_picture};
 pub use whole_file::{check_writable, write_whole_file};

@@ -32,14 +32,14 @@ pub enum Difference {
         ours: String,
     },
     /// A setting.
-    #[error("it was made with {}, now there is {}", setting(name, theirs), setting(name, ours))]
+    #[error("it was made with {}, now there is {}", setting(name, theirs.as_deref()), setting(name, ours.as_deref()))]
     Setting {
         /// Name of the option without dashes.
         name: String,
-        /// Value in the file, empty if it has none.
-        theirs: String,
+        /// Value in the file; empty for one that takes none.
+        theirs: Option<String>,
         /// Value of the other.
-        ours: String,
+        ours: Option<String>,
     },
     /// The scene, although all settings are the same.
     #[error(
@@ -52,10 +52,11 @@ pub enum Difference {
     },
 }
 
-fn setting(name: &str, value: &str) -> String {
+fn setting(name: &str, value: Option<&str>) -> String {
     match value {
-        "" => format!("no --{name}"),
-        _ => format!("--{name} {value}"),
+        None => format!("no --{name}"),
+        Some("") => format!("--{name}"),
+        Some(value) => format!("--{name} {value}"),
     }
 }
 
@@ -71,7 +72,6 @@ impl Provenance {
         for (name, _) in self.settings.iter().chain(&ours.settings) {
             let (theirs, ours) = (value(self, name), value(ours, name));
             if theirs != ours {
-                let (theirs, ours) = (theirs.unwrap_or_default(), ours.unwrap_or_default());
                 return Some(Difference::Setting { name: name.clone(), theirs, ours });
             }
         }
@@ -217,6 +217,10 @@ mod tests {
         let part = RenderSettings { crop, ..RenderSettings::default() }.options();
         let message = differs(Provenance { settings: part, ..provenance() });
         assert!(message.contains("--crop 0,0,1,2") && message.contains("no --crop"), "{message}");
+        let mut flagged = ours.settings.clone();
+        flagged.push(("adaptive".to_owned(), String::new()));
+        let message = differs(Provenance { settings: flagged, ..provenance() });
+        assert!(message.contains("made with --adaptive, now there is no --adaptive"), "{message}");
         assert!(differs(Provenance { scene_hash: "1".to_owned(), ..provenance() }).contains("birch"));
     }
 }

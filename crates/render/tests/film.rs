@@ -6,9 +6,9 @@ mod common;
 use common::garden::garden;
 use common::*;
 use render::{
-    Band, BandStatistics, Batch, Device, DeviceChoice, Film, Layers, LoadedScene, Origins, PictureTarget,
-    RenderError, RenderSettings, Sampling, StopRule, ToneCurve, compile, open_device, relative_noise,
-    render_bands, stream_picture, write_picture,
+    Band, BandStatistics, Batch, ControlFlow, Device, DeviceChoice, Ending, Film, Layers, LoadedScene,
+    Origins, PictureTarget, RenderError, RenderSettings, Sampling, StopRule, ToneCurve, compile, open_device,
+    relative_noise, render_bands, stream_picture, write_picture,
 };
 use scene::{DVec3, LightKind, Phong, Scene, Shape};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -289,7 +289,7 @@ fn adaptive_sampling_has_no_bias_and_spends_what_was_asked_for() {
     let mut most = 0;
     for seed in 0..PICTURES {
         let plain = RenderSettings { seed: 100 + seed, ..settings(16, 12, 16, 1) };
-        let film = render::adaptive::render_adaptive(&*loaded, &plain, &go_on).unwrap();
+        let film = render::render_adaptive(&*loaded, &plain, &go_on).unwrap();
         let spent = film.samples() as f64 / film.pixels.len() as f64;
         assert!((spent - 16.0).abs() < 0.5, "{spent}");
         least = least.min(film.pixels.iter().map(|pixel| pixel.samples).min().unwrap());
@@ -304,4 +304,40 @@ fn adaptive_sampling_has_no_bias_and_spends_what_was_asked_for() {
     assert!((mean - exact[1]).abs() < 4.0 * error, "{mean} exact {} error {error}", exact[1]);
     // The test would notice a bias of five percent; counts that a half decides for itself cost twenty.
     assert!(4.0 * error < 0.05 * exact[1], "{error} of {}", exact[1]);
+}
+
+#[test]
+fn an_adaptive_picture_does_not_depend_on_where_it_was_stopped() {
+    let mut b = Builder::new();
+    let white = b.diffuse([0.7; 3]);
+    let shining = b.phong(|s| Phong { emissive: grey(s, 8.0), ..Phong::default() });
+    b.object(Shape::Plane, at(0.0, 0.0, 0.0), white);
+    b.object(Shape::Sphere { radius: 0.3 }, at(0.0, 0.0, 1.2), shining);
+    b.look(DVec3::new(0.0, -3.0, 1.0), DVec3::ZERO, DVec3::Z, 20.0);
+    let loaded = load(&*cpu(2), &b.scene);
+    // So many pixels that a pass is some samples only.
+    let plain = settings(256, 192, 96, 1);
+    let whole = render::render_adaptive(&*loaded, &plain, &go_on).unwrap();
+    let mut film = render::AdaptiveFilm::new(&plain);
+    let mut passes = 0;
+    let mut taken = 0;
+    loop {
+        let mut stop = |film: &render::AdaptiveFilm| {
+            assert!(film.taken() > taken && film.is_of(&plain), "{} after {taken}", film.taken());
+            taken = film.taken();
+            ControlFlow::Break(())
+        };
+        passes += 1;
+        let ending = render::continue_adaptive(&*loaded, &plain, &mut film, &go_on, &mut stop).unwrap();
+        // The picture so far has no other brightness than that of its samples.
+        assert!(film.film().pixels.iter().all(|pixel| pixel.samples > 0));
+        if ending == Ending::Complete {
+            break;
+        }
+    }
+    assert!(passes > 3, "{passes}");
+    let bytes = |film: &Film| bytemuck::cast_slice::<_, u8>(&film.pixels).to_vec();
+    assert!(bytes(&film.film()) == bytes(&whole));
+    // What a file might say of other settings.
+    assert!(!film.is_of(&settings(256, 192, 8, 1)) && !film.is_of(&settings(192, 256, 96, 1)));
 }

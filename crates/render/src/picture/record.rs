@@ -2,11 +2,11 @@
 
 use super::encode::RECORD;
 use crate::film_file::FILM_MAGIC;
-use crate::{FilmFile, FilmFileError};
+use crate::{FilmFileError, SavedFilm, film_limit};
 use exr::meta::MetaData;
 use std::fmt::Write;
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// Most bytes of the texts in a PNG.
@@ -38,15 +38,24 @@ pub enum RecordError {
 /// If it is neither, is damaged, or does not tell.
 pub fn read_record(path: &Path) -> Result<String, RecordError> {
     let file = File::open(path)?;
-    if !file.metadata()?.is_file() {
+    let metadata = file.metadata()?;
+    if !metadata.is_file() {
         return Err(RecordError::UnknownKind);
     }
-    let mut file = BufReader::new(file);
+    record_of(BufReader::new(file), metadata.len(), film_limit())
+}
+
+/// As [`read_record`], of a file of `length` bytes; a film may take `limit` bytes of memory.
+pub(crate) fn record_of(
+    mut file: impl BufRead + Seek,
+    length: u64,
+    limit: u64,
+) -> Result<String, RecordError> {
     let mut magic = Vec::new();
     file.by_ref().take(8).read_to_end(&mut magic)?;
     file.seek(SeekFrom::Start(0))?;
     if magic == FILM_MAGIC {
-        film_record(path)
+        film_record(file, length, limit)
     } else if magic == *b"\x89PNG\r\n\x1a\n" {
         png_record(file)
     } else if magic.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
@@ -56,13 +65,16 @@ pub fn read_record(path: &Path) -> Result<String, RecordError> {
     }
 }
 
-fn png_record(file: BufReader<File>) -> Result<String, RecordError> {
+fn png_record(file: impl BufRead + Seek) -> Result<String, RecordError> {
     let damaged = |error: png::DecodingError| RecordError::Damaged(error.to_string());
     let reader = png::Decoder::new_with_limits(file, png::Limits { bytes: MOST_TEXT });
     // Up to the first pixel; the texts stand before.
     let reader = reader.read_info().map_err(damaged)?;
     let info = reader.info();
     let record = info.utf8_text.iter().find(|text| text.keyword == RECORD).ok_or(RecordError::NoRecord)?;
+    // It may be compressed, a thousand times at most.
+    let mut record = record.clone();
+    record.decompress_text_with_limit(MOST_TEXT).map_err(damaged)?;
     let mut text = record.get_text().map_err(damaged)?;
     // What the denoiser left.
     for comment in info.uncompressed_latin1_text.iter().filter(|text| text.keyword == "Comment") {
@@ -72,7 +84,7 @@ fn png_record(file: BufReader<File>) -> Result<String, RecordError> {
     Ok(text)
 }
 
-fn exr_record(file: BufReader<File>) -> Result<String, RecordError> {
+fn exr_record(file: impl BufRead + Seek) -> Result<String, RecordError> {
     let meta =
         MetaData::read_from_buffered(file, false).map_err(|error| RecordError::Damaged(error.to_string()))?;
     let attributes =
@@ -90,13 +102,21 @@ fn exr_record(file: BufReader<File>) -> Result<String, RecordError> {
     Ok(text)
 }
 
-fn film_record(path: &Path) -> Result<String, RecordError> {
-    let film = FilmFile::read(path)?;
-    let mut text = film.provenance.to_string();
-    let ranges: Vec<String> =
-        film.sums.ranges().iter().map(|range| format!("{}..{}", range.start, range.end)).collect();
-    let ranges = if ranges.is_empty() { "none".to_owned() } else { ranges.join(", ") };
-    let _ = writeln!(text, "film: {} x {} pixels, samples {ranges}", film.width, film.height);
+fn film_record(file: impl Read, length: u64, limit: u64) -> Result<String, RecordError> {
+    let film = SavedFilm::read_from(file, length, limit)?;
+    let mut text = film.provenance().to_string();
+    let (size, samples) = match &film {
+        SavedFilm::Uniform(film) => {
+            let ranges: Vec<String> =
+                film.sums.ranges().iter().map(|range| format!("{}..{}", range.start, range.end)).collect();
+            let ranges = if ranges.is_empty() { "none".to_owned() } else { ranges.join(", ") };
+            ((film.width, film.height), format!("samples {ranges}"))
+        }
+        SavedFilm::Adaptive(film) => {
+            (film.film.size(), format!("{} samples on average", film.film.samples()))
+        }
+    };
+    let _ = writeln!(text, "film: {} x {} pixels, {samples}", size.0, size.1);
     Ok(text)
 }
 
@@ -105,7 +125,7 @@ mod tests {
     use super::*;
     use crate::bands::Band;
     use crate::picture::{Layers, Origins, PictureTarget, stream_picture};
-    use crate::{Film, Provenance, ToneCurve};
+    use crate::{Film, FilmFile, Provenance, ToneCurve};
 
     fn provenance() -> Provenance {
         Provenance {
@@ -160,6 +180,28 @@ mod tests {
         let text = read_record(&path).unwrap();
         assert_eq!(Provenance::parse(&text), provenance());
         assert!(text.contains("3 x 2 pixels, samples none"), "{text}");
+    }
+
+    #[test]
+    fn a_picture_from_elsewhere_does_not_fill_memory() {
+        let png = |text: png::text_metadata::ITXtChunk| {
+            let mut bytes = Vec::new();
+            let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+            encoder.set_color(png::ColorType::Rgb);
+            let mut writer = encoder.write_header().unwrap();
+            writer.write_text_chunk(&text).unwrap();
+            writer.write_image_data(&[0; 3]).unwrap();
+            writer.finish().unwrap();
+            record_of(std::io::Cursor::new(&bytes), bytes.len() as u64, 1 << 20)
+        };
+        let mut text = png::text_metadata::ITXtChunk::new(RECORD, "first\nlast");
+        assert_eq!(png(text.clone()).unwrap(), "first\nlast");
+        text.compressed = true;
+        assert_eq!(png(text).unwrap(), "first\nlast");
+        // A hundred megabytes that are a hundred kilobytes in the file.
+        let mut large = png::text_metadata::ITXtChunk::new(RECORD, "a".repeat(100 << 20));
+        large.compressed = true;
+        assert!(matches!(png(large), Err(RecordError::Damaged(_))));
     }
 
     #[test]
