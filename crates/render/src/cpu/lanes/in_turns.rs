@@ -4,8 +4,10 @@
 // Rays in large scenes go different ways soon: if every lane searched on its own, most would wait for the others. And a
 // ray alone waits for the result of one node before it knows the next. So the rays take turns, which the processor
 // overlaps as they do not depend on each other, and objects are tested in lanes as soon as enough rays have met some.
-// Every ray visits nodes and objects in the same order as by the kernel, and they are tested by the same operations,
-// so results are the same.
+// Every ray visits nodes and objects in the same order as by the kernel, and objects are tested by the same operations,
+// so results are the same. (Boxes are larger than what they hold by more than what their test may round differently.)
+//
+// Large scenes do not fit into the cache: what a ray needs in its next turn is asked for in this one.
 //
 // This file is included where `kernel`, `unit` and, one module above, `node` are.
 
@@ -268,7 +270,7 @@ pub(super) fn search(
         let hit = found.hit.object.to_array();
         for i in lanes_of(waiting) {
             let traveller = &travellers.rays[i];
-            fetch_ahead(objects, hit[i], SURFACE_LINE);
+            fetch_ahead(objects, select_unpredictable(hit[i] != NONE, hit[i], 0), SURFACE_LINE);
             let is_light = dark >> i & 1 == 0;
             let waits = is_light & (traveller.objects != 0);
             let goes_on = is_light & (traveller.objects == 0) & !traveller.ended;
