@@ -447,7 +447,7 @@ pub mod kernel {
     pub const ALL_FEATURES: u32 = 262143;
 
     /// With more nodes than this the search for hits takes most of the time; measured.
-    pub const MANY_NODES: u32 = 10;
+    pub const MANY_NODES: u32 = 2;
 
     /// How kernels read a compiled scene. The CPU implements it over slices, the GPU over storage buffers.
     pub trait SceneAccess {

@@ -221,7 +221,7 @@ const FEATURE_LIGHT_TABLES: u32 = 32768u;
 const FEATURE_LIGHT_GROUPS: u32 = 65536u;
 const FEATURE_MANY_NODES: u32 = 131072u;
 const ALL_FEATURES: u32 = 262143u;
-const MANY_NODES: u32 = 10u;
+const MANY_NODES: u32 = 2u;
 
 fn transform_point(matrix: Affine, point: vec3f) -> vec3f {
     return vec3f(transform_row(matrix.row0, point), transform_row(matrix.row1, point), transform_row(matrix.row2, point));
