@@ -55,6 +55,40 @@ fn records_of_tables_are_passed_by_their_place() {
 }
 
 #[test]
+fn rays_that_agree_take_another_form_of_a_function() {
+    let wgsl = "struct Leaf { area: f32, kind: u32 }
+        @group(0) @binding(0) var<storage, read> LEAVES: array<Leaf>;
+        fn area(leaf: Leaf, x: f32) -> f32 { return leaf.area * x; }
+        fn f(i: u32, x: f32) -> f32 { return area(LEAVES[i], x); }
+        fn first(x: f32) -> f32 { return area(LEAVES[0], x); }";
+    let options = Options {
+        roots: &[("f", &[true, true]), ("first", &[true])],
+        hooks: &[],
+        together: &[("area", 0)],
+        target_features: "avx2",
+    };
+    let text = vectorize(wgsl, options).unwrap();
+    assert!(text.contains("fn area(globals: &Globals<'_>, mask: Mask, a0: U32, a1: F32) -> F32"), "{text}");
+    assert!(text.contains("fn area_together(globals: &Globals<'_>, mask: Mask, a0: u32, a1: F32) -> F32"));
+    // Where the leaf may differ the rays are asked; where it does not, they are not.
+    let asked = "match together(live, ";
+    assert_eq!(text.matches(asked).count(), 1, "{text}");
+    assert!(text.contains("{ Some(one) => area_together(globals, live, one, a1), None => area("), "{text}");
+    assert_eq!(text.matches("= area_together(globals, live").count(), 1, "{text}");
+    let missing = vectorize(wgsl, Options { together: &[("g", 0)], ..options }).unwrap_err();
+    assert_eq!(missing.to_string(), "the kernels have no function `g`");
+}
+
+#[test]
+fn private_variables_outlive_the_call() {
+    let wgsl = "var<private> waiting: array<u32, 48>;
+        fn f(i: u32) -> u32 { waiting[i] = i; return waiting[i]; }";
+    let text = written(wgsl, ("f", &[true])).unwrap();
+    assert!(text.contains("pub waiting: RefCell<[U32; 48]>"), "{text}");
+    assert!(text.contains("let mut own_waiting = globals.own.waiting.borrow_mut();"), "{text}");
+}
+
+#[test]
 fn what_cannot_be_written_is_named() {
     let missing = written("fn f() -> f32 { return 1.0; }", ("g", &[])).unwrap_err();
     assert_eq!(missing.to_string(), "the kernels have no function `g`");
