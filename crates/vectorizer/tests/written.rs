@@ -60,9 +60,9 @@ fn rays_that_agree_take_another_form_of_a_function() {
         @group(0) @binding(0) var<storage, read> LEAVES: array<Leaf>;
         fn area(leaf: Leaf, x: f32) -> f32 { return leaf.area * x; }
         fn f(i: u32, x: f32) -> f32 { return area(LEAVES[i], x); }
-        fn first(x: f32) -> f32 { return area(LEAVES[0], x); }";
+        fn one(i: u32, x: f32) -> f32 { return area(LEAVES[i], x); }";
     let options = Options {
-        roots: &[("f", &[true, true]), ("first", &[true])],
+        roots: &[("f", &[true, true]), ("one", &[false, true])],
         hooks: &[],
         together: &[("area", 0)],
         target_features: "avx2",
