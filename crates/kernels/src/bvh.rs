@@ -17,6 +17,10 @@ pub mod kernel {
         )
     }
 
+    /// Where a ray leaves a box is taken for so much further than computed: rounding must not hide what is on its
+    /// surface.
+    pub const FURTHER: f32 = 1.0000008;
+
     /// Edge of a cell from its biased exponent.
     pub fn cell_edge(exponent: u32) -> f32 {
         bitcast_f32(exponent << 23u32)
@@ -39,7 +43,7 @@ pub mod kernel {
         let out_y = unpack_bytes(far.y) * edge.y + one * start.y;
         let out_z = unpack_bytes(far.z) * edge.z + one * start.z;
         let t_in = max(max(in_x, in_y), max(in_z, zero));
-        let t_out = min(min(out_x, out_y), min(out_z, one * t_max)) * 1.0000008;
+        let t_out = min(min(out_x, out_y), min(out_z, one * t_max)) * FURTHER;
         select(0u32, 1u32, t_in.x <= t_out.x)
             | select(0u32, 2u32, t_in.y <= t_out.y)
             | select(0u32, 4u32, t_in.z <= t_out.z)

@@ -24,7 +24,7 @@ pub(super) fn reached_children(node: &BvhNode, origin: Vec3f, inverse: Vec3f, t_
 #[target_feature(enable = "sse2")]
 #[inline]
 fn reached_by_sse2(node: &BvhNode, origin: Vec3f, inverse: Vec3f, t_max: f32) -> u32 {
-    use kernels::bvh::kernel::cell_edge;
+    use kernels::bvh::kernel::{FURTHER, cell_edge};
     use std::arch::x86_64::*;
 
     let pair = |first: u32, second: u32| i64::from(first) | i64::from(second) << 32;
@@ -61,7 +61,7 @@ fn reached_by_sse2(node: &BvhNode, origin: Vec3f, inverse: Vec3f, t_max: f32) ->
             leaves[half] = _mm_min_ps(leaves[half], far[half]);
         }
     }
-    let slack = _mm_set1_ps(1.000_000_8);
+    let slack = _mm_set1_ps(FURTHER);
     let reached = |half: usize| _mm_movemask_ps(_mm_cmple_ps(enters[half], _mm_mul_ps(leaves[half], slack)));
     // Four bits each.
     (reached(0) | reached(1) << 4) as u32

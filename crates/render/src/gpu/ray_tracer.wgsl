@@ -1073,6 +1073,7 @@ fn world_from_unit_Buffers(scene: Buffers, instance: u32, surface: SurfaceRecord
 fn unpack_bytes(word: u32) -> vec4f {
     return vec4f(f32((word & 255u)), f32(((word >> 8u) & 255u)), f32(((word >> 16u) & 255u)), f32((word >> 24u)));
 }
+const FURTHER: f32 = 1.0000008;
 
 fn cell_edge(exponent: u32) -> f32 {
     return bitcast<f32>((exponent << 23u));
@@ -1094,7 +1095,7 @@ fn reached_of_four(
     let out_y = ((unpack_bytes(far.y) * edge.y) + (one * start.y));
     let out_z = ((unpack_bytes(far.z) * edge.z) + (one * start.z));
     let t_in = max(max(in_x, in_y), max(in_z, zero));
-    let t_out = (min(min(out_x, out_y), min(out_z, (one * t_max))) * 1.0000008);
+    let t_out = (min(min(out_x, out_y), min(out_z, (one * t_max))) * FURTHER);
     return (((select(0u, 1u, (t_in.x <= t_out.x)) | select(0u, 2u, (t_in.y <= t_out.y))) | select(0u, 4u, (t_in.z <= t_out.z))) | select(0u, 8u, (t_in.w <= t_out.w)));
 }
 

@@ -14,8 +14,9 @@
 use super::super::node::reached_children;
 use super::kernel::{self, Found, Globals, Quest, Ray, UniformBuffers};
 use super::unit::{F32, LANES, Mask, U32, widen};
-use crate::cpu::lanes::nodes::{FURTHER, IN_ORDER, LaneNode, LocalRay, Waiting, fetch_ahead, packed_bits};
+use crate::cpu::lanes::nodes::{IN_ORDER, LaneNode, LocalRay, Waiting, fetch_ahead, packed_bits};
 use crate::cpu::slices::Slices;
+use kernels::bvh::kernel::FURTHER;
 use kernels::records::kernel::{NODE_INSTANCE, NONE, SHAPE_INSTANCE, SceneAccess};
 use kernels::shape::kernel::{self as shape, transform_ray};
 use kernels::traversal::kernel::MAX_BVH_DEPTH;

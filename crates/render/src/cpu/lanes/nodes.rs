@@ -2,7 +2,7 @@
 
 use crate::CompiledScene;
 use crate::compile::LEAF_OBJECTS;
-use kernels::bvh::kernel::{cell_edge, visiting_order};
+use kernels::bvh::kernel::{FURTHER, cell_edge, visiting_order};
 use kernels::records::kernel::{BvhNode, NODE_INSTANCE};
 use kernels::shape::kernel::Ray;
 use kernels::traversal::kernel::inverse_direction;
@@ -101,10 +101,6 @@ const fn places_in_order() -> [[u8; 256]; 8] {
     }
     table
 }
-
-/// Where a ray leaves a box is taken for so much further than computed: rounding must not hide what is on its surface.
-/// As in `kernels::bvh::reached_boxes`.
-pub(super) const FURTHER: f32 = 1.000_000_8;
 
 /// A ray in the space of the nodes that are being searched. Fourth numbers mean nothing.
 #[derive(Clone, Copy)]
