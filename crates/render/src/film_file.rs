@@ -8,6 +8,7 @@ use crate::film_memory::film_limit;
 use crate::sums::{BLOCK_SAMPLES, Part, is_node};
 use crate::{Film, FilmSums, Provenance, write_whole_file};
 pub use adaptive::{AdaptiveFilmFile, write_adaptive_film};
+pub(crate) use bytes::signed;
 use bytes::{Head, Summed};
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
@@ -231,7 +232,6 @@ mod tests {
     use super::*;
     use bytemuck::Zeroable;
     use kernels::records::kernel::FilmPixel;
-    use sha2::{Digest, Sha256};
 
     /// 3 x 2 pixels with samples 0 to 192 and 256 to 260.
     fn film() -> FilmFile {
@@ -266,14 +266,6 @@ mod tests {
             SavedFilm::Uniform(film) => Ok(film),
             SavedFilm::Adaptive(_) => Err(FilmFileError::Adaptive),
         }
-    }
-
-    /// With the checksum that belongs to it.
-    fn signed(mut bytes: Vec<u8>) -> Vec<u8> {
-        let end = bytes.len() - CHECKSUM_BYTES as usize;
-        let sum = Sha256::digest(&bytes[..end]);
-        bytes[end..].copy_from_slice(&sum);
-        bytes
     }
 
     #[test]
@@ -320,14 +312,14 @@ mod tests {
                     continue;
                 }
                 forged[at..at + 4].copy_from_slice(&value.to_le_bytes());
-                assert!(read(&signed(forged)).is_err(), "{value} at {at}");
+                assert!(read(&signed(&forged).unwrap()).is_err(), "{value} at {at}");
             }
         }
         // Samples of a pixel.
         let mut forged = bytes.clone();
         let end = forged.len() - CHECKSUM_BYTES as usize;
         forged[end - 4] ^= 1;
-        assert!(matches!(read(&signed(forged)), Err(FilmFileError::Inconsistent(_))));
+        assert!(matches!(read(&signed(&forged).unwrap()), Err(FilmFileError::Inconsistent(_))));
         assert!(matches!(read_within(&bytes, 99), Err(FilmFileError::TooLarge { .. })));
     }
 

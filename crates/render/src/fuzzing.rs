@@ -4,10 +4,9 @@
 //! Nothing here checks results: whatever the bytes are, reading them must end soon, in little memory and without a
 //! panic.
 
-use crate::film_file::{AdaptiveFilmFile, SavedFilm};
+use crate::film_file::{AdaptiveFilmFile, SavedFilm, signed};
 use crate::picture::record_of;
 use crate::{FilmFile, RenderSettings, relative_noise};
-use sha2::{Digest, Sha256};
 use std::io::Cursor;
 
 /// A target by its name, which is also that of its binary and its folders.
@@ -18,16 +17,11 @@ pub const TARGETS: [Target; 2] = [("film", film), ("record", record)];
 
 /// Bytes that a film may take.
 const LIMIT: u64 = 1 << 24;
-/// Bytes of the checksum at the end of a film.
-const CHECKSUM_BYTES: usize = 32;
 
 /// A film as it is, and with the checksum that it should have, which nobody finds by chance.
 pub fn film(bytes: &[u8]) {
     look_at_film(bytes);
-    if let Some(end) = bytes.len().checked_sub(CHECKSUM_BYTES) {
-        let mut signed = bytes[..end].to_vec();
-        let sum = Sha256::digest(&signed);
-        signed.extend_from_slice(&sum);
+    if let Some(signed) = signed(bytes) {
         look_at_film(&signed);
     }
 }
