@@ -90,12 +90,6 @@ impl Writer<'_> {
         self.options.hooks.iter().any(|(hook, _)| *hook == name)
     }
 
-    /// The parameter that a function has another form for, in which it is the same for all rays.
-    fn together(&self, function: naga::Handle<naga::Function>) -> Option<usize> {
-        let name = self.module.functions[function].name.as_deref().unwrap_or_default();
-        self.options.together.iter().find(|(together, _)| *together == name).map(|(_, argument)| *argument)
-    }
-
     /// `Globals`: the tables as words, and what is the same for all of a launch.
     fn write_globals(&self, text: &mut String) -> Result<(), VectorizeError> {
         text.push_str("/// What the kernels read.\n#[derive(Clone, Copy)]\npub struct Globals<'a> {\n");

@@ -5,7 +5,6 @@
 //! `result`. Rays that have left a loop, or only its current round, wait in `left` and `skipped` until its end.
 
 use crate::expressions::Scope;
-use crate::functions::together_name;
 use crate::places::{Place, SHORT_ARRAY};
 use crate::uniformity::{LoopExits, loop_exits};
 use crate::{VectorizeError, Writer};
@@ -185,16 +184,17 @@ impl Writer<'_> {
             format!("{module}{name}(globals, live{given})")
         };
         let otherwise = call(name, &given);
-        let Some(agreed) = self.together(function).filter(|agreed| !callee.arguments[*agreed]) else {
+        let Some((copy, agreed)) = self.uniformity.together(function) else { return Ok(otherwise) };
+        if callee.arguments[agreed] {
             return Ok(otherwise);
-        };
-        let value = std::mem::replace(&mut given[agreed], "one".to_owned());
-        let together = together_name(name);
+        }
+        let together = self.module.functions[copy].name.as_deref().unwrap_or_default();
         if self.is_uniform(scope, arguments[agreed]) {
             given[agreed] = self.value(scope, arguments[agreed], true)?;
-            return Ok(call(&together, &given));
+            return Ok(call(together, &given));
         }
-        let agree = call(&together, &given);
+        let value = std::mem::replace(&mut given[agreed], "one".to_owned());
+        let agree = call(together, &given);
         Ok(format!("match together(live, {value}) {{ Some(one) => {agree}, None => {otherwise} }}"))
     }
 

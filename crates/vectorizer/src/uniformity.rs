@@ -82,6 +82,11 @@ impl Uniformity {
         &self.functions[&handle]
     }
 
+    /// The form of a function for rays that agree on a parameter, and that parameter's number.
+    pub(crate) fn together(&self, handle: Handle<Function>) -> Option<(Handle<Function>, usize)> {
+        self.together.get(&handle).copied()
+    }
+
     /// Looks at a function again; whether anything was learnt.
     fn visit(&mut self, module: &Module, handle: Handle<Function>) -> bool {
         let function = &module.functions[handle];
@@ -92,7 +97,7 @@ impl Uniformity {
         let mut changed = facts != self.functions[&handle];
         self.functions.insert(handle, facts);
         for (callee, arguments) in calls {
-            let copy = self.together.get(&callee).copied();
+            let copy = self.together(callee);
             let callees = [Some((callee, usize::MAX)), copy].into_iter().flatten();
             for (callee, agreed) in callees {
                 let Some(facts) = self.functions.get_mut(&callee) else { continue };
