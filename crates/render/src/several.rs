@@ -92,7 +92,13 @@ impl Queue {
 }
 
 /// Adds a batch on one device.
-type Work<'a, P> = dyn Fn(&dyn LoadedScene, &RenderSettings, &Batch, &mut [P], &Progress<'_>) -> Result<(), DeviceError>
+type Work<'a, P> = dyn Fn(
+        &(dyn LoadedScene + 'static),
+        &RenderSettings,
+        &Batch,
+        &mut [P],
+        &Progress<'_>,
+    ) -> Result<(), DeviceError>
     + Sync
     + 'a;
 
@@ -318,14 +324,7 @@ impl LoadedScene for Several {
         pixels: &mut [FilmPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        self.share_out(
-            settings,
-            batch,
-            pixels,
-            progress,
-            false,
-            &|scene, settings, batch, pixels, progress| scene.add_samples(settings, batch, pixels, progress),
-        )
+        self.share_out(settings, batch, pixels, progress, false, &<dyn LoadedScene>::add_samples)
     }
 
     fn sum_node(
@@ -335,14 +334,7 @@ impl LoadedScene for Several {
         pixels: &mut [FilmPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        self.share_out(
-            settings,
-            batch,
-            pixels,
-            progress,
-            true,
-            &|scene, settings, batch, pixels, progress| scene.sum_node(settings, batch, pixels, progress),
-        )
+        self.share_out(settings, batch, pixels, progress, true, &<dyn LoadedScene>::sum_node)
     }
 
     fn add_layers(
@@ -352,14 +344,7 @@ impl LoadedScene for Several {
         pixels: &mut [LayerPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        self.share_out(
-            settings,
-            batch,
-            pixels,
-            progress,
-            false,
-            &|scene, settings, batch, pixels, progress| scene.add_layers(settings, batch, pixels, progress),
-        )
+        self.share_out(settings, batch, pixels, progress, false, &<dyn LoadedScene>::add_layers)
     }
 
     fn device_seconds(&self) -> Option<f64> {
