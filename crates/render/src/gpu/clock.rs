@@ -1,9 +1,7 @@
 //! What the graphics card's own clock says of launches.
 
-use super::scene::wait;
-use super::{Gpu, encoder};
+use super::{Gpu, encoder, read};
 use crate::DeviceError;
-use std::sync::mpsc;
 use std::time::Duration;
 
 /// Launches that are timed before the times are fetched.
@@ -78,27 +76,10 @@ impl Clock {
         encoder.resolve_query_set(&self.queries, 0..count, &self.resolved, 0);
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.readback, 0, bytes);
         gpu.queue.submit([encoder.finish()]);
-        let (sender, receiver) = mpsc::channel();
-        self.readback.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
-            // The receiver is gone only if the wait below failed, which is reported there.
-            let _ = sender.send(result);
-        });
-        wait(gpu, DOING)?;
-        match receiver.recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(gpu.failed(DOING, error.to_string())),
-            Err(error) => return Err(gpu.failed(DOING, error.to_string())),
-        }
-        let view =
-            self.readback.get_mapped_range(0..bytes).map_err(|error| gpu.failed(DOING, error.to_string()))?;
-        let times: Vec<u64> = view
-            .as_chunks::<{ TIME_BYTES as usize }>()
-            .0
-            .iter()
-            .map(|time| u64::from_le_bytes(*time))
-            .collect();
-        drop(view);
-        self.readback.unmap();
+        let times = read(gpu, &self.readback, bytes, DOING, |view| {
+            let times = view.as_chunks::<{ TIME_BYTES as usize }>().0.iter();
+            times.map(|time| u64::from_le_bytes(*time)).collect::<Vec<u64>>()
+        })?;
         let nanoseconds = ticks(&times) as f64 * f64::from(gpu.queue.get_timestamp_period());
         // Clocks that were set back make nonsense of a difference.
         Ok(Duration::try_from_secs_f64(nanoseconds * 1e-9).unwrap_or_default())

@@ -18,7 +18,7 @@ use crate::{CompiledScene, Device, DeviceError, LoadedScene, Renderer};
 use joining::Joiner;
 use kernels::records::kernel::ALL_FEATURES;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
 
 /// A graphics card.
 pub struct Gpu {
@@ -229,6 +229,32 @@ impl Gpu {
     fn failed(&self, doing: &'static str, reason: String) -> DeviceError {
         DeviceError::Gpu { device: self.name.clone(), doing, reason }
     }
+}
+
+/// What `look` sees in the first bytes of a buffer when all that was submitted is done.
+fn read<T>(
+    gpu: &Gpu,
+    buffer: &wgpu::Buffer,
+    size: u64,
+    doing: &'static str,
+    look: impl FnOnce(&[u8]) -> T,
+) -> Result<T, DeviceError> {
+    let (sender, receiver) = mpsc::channel();
+    buffer.map_async(wgpu::MapMode::Read, 0..size, move |result| {
+        // The receiver is gone only if the wait below failed, which is reported there.
+        let _ = sender.send(result);
+    });
+    scene::wait(gpu, doing)?;
+    match receiver.recv() {
+        Ok(Ok(())) => {}
+        Ok(Err(error)) => return Err(gpu.failed(doing, error.to_string())),
+        Err(error) => return Err(gpu.failed(doing, error.to_string())),
+    }
+    let view = buffer.get_mapped_range(0..size).map_err(|error| gpu.failed(doing, error.to_string()))?;
+    let seen = look(&view);
+    drop(view);
+    buffer.unmap();
+    Ok(seen)
 }
 
 fn encoder(gpu: &Gpu, label: &'static str) -> wgpu::CommandEncoder {

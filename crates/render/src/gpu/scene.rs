@@ -89,6 +89,15 @@ impl GpuScene {
         self.gpu.pipeline(Program::samples(settings.renderer, self.features))
     }
 
+    fn tiles<'a>(
+        &'a self,
+        pipeline: &'a wgpu::ComputePipeline,
+        settings: &'a RenderSettings,
+        kept: &'a KeptTile,
+    ) -> TileRenderer<'a> {
+        TileRenderer { gpu: &self.gpu, pipeline, tables: &self.tables, settings, kept }
+    }
+
     fn count(&self, time: Duration) {
         // 500 years.
         let nanoseconds = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
@@ -121,14 +130,8 @@ impl LoadedScene for GpuScene {
             let launch = batch.launch(settings);
             tile.iter().map(|pixel| launched_samples(launch, pixel.samples)).max().unwrap_or(0)
         };
-        let time = TileRenderer {
-            gpu: &self.gpu,
-            pipeline: &self.samples_of(settings)?,
-            tables: &self.tables,
-            settings,
-            kept: &self.tile,
-        }
-        .add(batch, pixels, progress, &most)?;
+        let pipeline = self.samples_of(settings)?;
+        let time = self.tiles(&pipeline, settings, &self.tile).add(batch, pixels, progress, &most)?;
         self.count(time);
         Ok(())
     }
@@ -140,13 +143,8 @@ impl LoadedScene for GpuScene {
         pixels: &mut [FilmPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        let renderer = TileRenderer {
-            gpu: &self.gpu,
-            pipeline: &self.samples_of(settings)?,
-            tables: &self.tables,
-            settings,
-            kept: &self.tile,
-        };
+        let pipeline = self.samples_of(settings)?;
+        let renderer = self.tiles(&pipeline, settings, &self.tile);
         sum_of_parts(batch, MOST_SAMPLES, pixels, progress, |part, pixels, progress| {
             self.count(renderer.sum(part, pixels, progress)?);
             Ok(())
@@ -160,15 +158,10 @@ impl LoadedScene for GpuScene {
         pixels: &mut [LayerPixel],
         progress: &Progress<'_>,
     ) -> Result<(), DeviceError> {
-        TileRenderer {
-            gpu: &self.gpu,
-            pipeline: &self.gpu.pipeline(Program::layers(self.features))?,
-            tables: &self.tables,
-            settings,
-            // Layers are one batch: nothing is kept for the next.
-            kept: &KeptTile::default(),
-        }
-        .add(batch, pixels, progress, &|_| batch.samples)?;
+        let pipeline = self.gpu.pipeline(Program::layers(self.features))?;
+        // Layers are one batch: nothing is kept for the next.
+        let tile = KeptTile::default();
+        self.tiles(&pipeline, settings, &tile).add(batch, pixels, progress, &|_| batch.samples)?;
         Ok(())
     }
 

@@ -1,14 +1,12 @@
 //! A picture on a graphics card, tile by tile, so that the memory taken there does not grow with the picture.
 
 use super::launches::Launches;
-use super::scene::wait;
 use super::tile_memory::{KeptTile, MOST_BYTES, TileMemory};
-use super::{Gpu, encoder};
+use super::{Gpu, encoder, read};
 use crate::{BLOCK_SAMPLES, Batch, DeviceError, Progress, RenderSettings};
 use bytemuck::Pod;
 use kernels::records::kernel::{FilmPixel, LaunchSettings};
 use rayon::prelude::*;
-use std::sync::mpsc;
 use std::time::Duration;
 
 /// Edge of a tile in pixels on a graphics card, and on a rasteriser in software.
@@ -172,7 +170,7 @@ impl TileRenderer<'_> {
                 }
                 launches.finish()?;
                 let bytes = launch.tile_height as usize * line * size_of::<P>();
-                self.read_back(memory, bytes as u64, &mut |rendered| {
+                self.read_back(memory, bytes as u64, |rendered| {
                     // As bytes, because mapped memory need not be aligned for the record.
                     if line == width as usize {
                         let first = y as usize * line;
@@ -290,32 +288,14 @@ impl TileRenderer<'_> {
         &self,
         memory: &TileMemory,
         size: u64,
-        use_film: &mut dyn FnMut(&[u8]),
+        use_film: impl FnOnce(&[u8]),
     ) -> Result<(), DeviceError> {
         const DOING: &str = "reading the picture back";
         let gpu = self.gpu;
         let mut encoder = encoder(gpu, "read film back");
         encoder.copy_buffer_to_buffer(&memory.films[0].buffer, 0, &memory.readback, 0, size);
         gpu.queue.submit([encoder.finish()]);
-        let (sender, receiver) = mpsc::channel();
-        memory.readback.map_async(wgpu::MapMode::Read, 0..size, move |result| {
-            // The receiver is gone only if the wait below failed, which is reported there.
-            let _ = sender.send(result);
-        });
-        wait(gpu, DOING)?;
-        match receiver.recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(gpu.failed(DOING, error.to_string())),
-            Err(error) => return Err(gpu.failed(DOING, error.to_string())),
-        }
-        let view = memory
-            .readback
-            .get_mapped_range(0..size)
-            .map_err(|error| gpu.failed(DOING, error.to_string()))?;
-        use_film(&view);
-        drop(view);
-        memory.readback.unmap();
-        Ok(())
+        read(gpu, &memory.readback, size, DOING, use_film)
     }
 }
 
