@@ -5,6 +5,7 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod kernel {
     use crate::records::kernel::*;
+    use wgsl_rs::std::*;
 
     /// A pixel with the samples of two. Additions alone, so both devices give the same bits (but for numbers below
     /// 1.2e-38, which graphics cards may take for zero).
@@ -12,8 +13,13 @@ pub mod kernel {
         let mut joined = first;
         joined.radiance += second.radiance;
         joined.squares += second.squares;
-        joined.rays += second.rays;
-        joined.samples += second.samples;
+        joined.rays = saturating_sum(first.rays, second.rays);
+        joined.samples = saturating_sum(first.samples, second.samples);
         joined
+    }
+
+    /// The sum, or the largest number if it is larger: a damaged film may hold anything.
+    pub fn saturating_sum(a: u32, b: u32) -> u32 {
+        a + min(b, 4294967295u32 - a)
     }
 }

@@ -269,7 +269,7 @@ fn join(a: &FilmPixel, b: &FilmPixel) -> FilmPixel {
     if a.samples == 0 || b.samples == 0 {
         return if b.samples == 0 { *a } else { *b };
     }
-    let samples = a.samples + b.samples;
+    let samples = a.samples.saturating_add(b.samples);
     let n = samples as f32;
     let moments = |pixel: &FilmPixel| {
         let n = pixel.samples.max(1) as f32;

@@ -257,9 +257,13 @@ fn joined_pixels(first: FilmPixel, second: FilmPixel) -> FilmPixel {
     var joined = first;
     joined.radiance += second.radiance;
     joined.squares += second.squares;
-    joined.rays += second.rays;
-    joined.samples += second.samples;
+    joined.rays = saturating_sum(first.rays, second.rays);
+    joined.samples = saturating_sum(first.samples, second.samples);
     return joined;
+}
+
+fn saturating_sum(a: u32, b: u32) -> u32 {
+    return (a + min(b, (4294967295u - a)));
 }
 @group(0) @binding(0) var<uniform> SETTINGS: LaunchSettings;
 @group(0) @binding(1) var<storage, read_write> FIRST: array<FilmPixel>;
