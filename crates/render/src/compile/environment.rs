@@ -27,21 +27,30 @@ pub(super) fn add_sky_densities(scene: &mut CompiledScene) {
         }
         let cells = mean_luminances(scene, light);
         let mean = cells.iter().sum::<f64>() / cells.len() as f64;
+        // Below the horizon a clear sky is black.
+        let dark_from = if light.kind == LIGHT_DAYLIGHT { COLUMNS * ROWS / 2 } else { cells.len() };
         let record = &mut scene.lights[index];
         record.first = count(scene.attributes.len());
         record.count = lights::size(COLUMNS, ROWS);
         if record.importance > 0.0 {
             // The irradiance of a plane, averaged over its orientations; the least that is not nothing for a map
             // that is black wherever it was looked at.
-            record.importance = ((PI * mean) as f32).max(1.0e-12);
+            let share = lights::aimed_share(relative_variance(&cells[..dark_from]));
+            record.importance = ((PI * mean * share) as f32).max(1.0e-12);
         }
-        // Below the horizon a clear sky is black.
-        let dark_from = if light.kind == LIGHT_DAYLIGHT { COLUMNS * ROWS / 2 } else { cells.len() };
         let floor = if mean > 0.0 { FLOOR * mean } else { 1.0 };
         let weights: Vec<f64> =
             cells.iter().enumerate().map(|(i, l)| if i < dark_from { l + floor } else { 0.0 }).collect();
         push_table(&weights, &mut scene.attributes);
     }
+}
+
+/// Variance of some numbers, divided by the square of their mean; 0 if that is 0.
+fn relative_variance(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let squares = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
+    if mean > 0.0 { squares / (mean * mean) } else { 0.0 }
 }
 
 /// Mean luminance of the radiance in every cell.
