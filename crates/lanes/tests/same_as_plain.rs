@@ -175,6 +175,22 @@ macro_rules! same_as_plain {
                 let bits = mask.bits();
                 assert_eq!(std::array::from_fn(|i| fetched[i] * (bits >> i & 1)), expected(bits));
             }
+            // Blocks of words: inside, across the end, behind it.
+            let starts = std::array::from_fn(|i| [5, 96, 97, 98, 99, u32::MAX - 1][i % 6]);
+            for (mask, starts) in [
+                (Mask::ALL, starts),
+                (Mask::from_bits(0b1010_0110), starts),
+                (Mask::from_bits(0b110), [96; LANES]),
+                (Mask::from_bits(0b110), [97; LANES]),
+            ] {
+                let parts = block::<4>(table, mask, U32::from_array(starts)).map(|part| part.to_array());
+                for lane in (0..LANES).filter(|lane| mask.bits() >> lane & 1 != 0) {
+                    let found = parts.map(|part| part[lane]);
+                    let whole = numbered.get(starts[lane] as usize..).and_then(|rest| rest.first_chunk());
+                    assert_eq!(found, whole.copied().unwrap_or([0; 4]));
+                    assert_eq!(found, table.block(starts[lane]));
+                }
+            }
             let same_place = words(table, Mask::from_bits(0b100), U32::from_array([7; LANES])).to_array();
             assert_eq!(same_place[2], 22);
 

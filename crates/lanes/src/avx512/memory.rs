@@ -76,3 +76,77 @@ pub fn words(table: Table<'_>, mask: Mask, places: U32) -> U32 {
         ))
     })
 }
+
+/// So many words from the places of all lanes of the mask on; zeros in the others, and where not all of them lie inside.
+///
+/// Loops, not iterators: what closures call does not become vector instructions.
+#[inline(always)]
+pub fn block<const N: usize>(table: Table<'_>, mask: Mask, places: U32) -> [U32; N] {
+    let mut words = [U32::zero(); N];
+    let mask = mask.0;
+    let first = vector!(_mm512_cvtsi512_si32(_mm512_maskz_compress_epi32(mask, places.0))).cast_unsigned();
+    let same = vector!(_mm512_mask_cmpneq_epu32_mask(mask, places.0, _mm512_set1_epi32(first.cast_signed())));
+    if same == 0 {
+        let one = table.block::<N>(first);
+        for i in 0..N {
+            words[i] = one[i].widen();
+        }
+        return words;
+    }
+    let ends = table.ends_of_blocks::<N>();
+    let inside = vector!(_mm512_mask_cmplt_epu32_mask(mask, places.0, _mm512_set1_epi32(ends.cast_signed())));
+    if ends == 0 {
+        return words;
+    }
+    let start = table.slice.as_ptr();
+    // The others read from the beginning of the table, whose block lies inside, and forget it.
+    let safe = U32(vector!(_mm512_maskz_mov_epi32(inside, places.0))).to_array();
+    let rows = N / 4 * 4;
+    for first in (0..rows).step_by(4) {
+        let four = four_words(start.wrapping_add(first), &safe);
+        for i in 0..4 {
+            words[first + i] = U32(vector!(_mm512_maskz_mov_epi32(inside, four[i])));
+        }
+    }
+    for (i, word) in words.iter_mut().enumerate().skip(rows) {
+        // Every lane that is read lies inside of the table, and its place is below 2^31.
+        *word = vector!(U32(_mm512_mask_i32gather_epi32::<4>(
+            _mm512_setzero_si512(),
+            inside,
+            places.0,
+            start.wrapping_add(i).cast(),
+        )));
+    }
+    words
+}
+
+/// Four words from the place of every lane on: a load for each lane, turned about, which is faster than a gather for each
+/// word. All lanes must lie inside of what `start` points to.
+#[inline(always)]
+fn four_words(start: *const u32, places: &[u32; 16]) -> [__m512i; 4] {
+    vector!({
+        macro_rules! row {
+            ($lane:expr) => {
+                _mm_loadu_si128(start.wrapping_add(places[$lane] as usize).cast())
+            };
+        }
+        // Lane i, i + 4, i + 8 and i + 12 side by side.
+        let mut rows = [_mm512_setzero_si512(); 4];
+        for i in 0..4 {
+            let mut all = _mm512_castsi128_si512(row!(i));
+            all = _mm512_mask_broadcast_i32x4(all, 0x00f0, row!(i + 4));
+            all = _mm512_mask_broadcast_i32x4(all, 0x0f00, row!(i + 8));
+            rows[i] = _mm512_mask_broadcast_i32x4(all, 0xf000, row!(i + 12));
+        }
+        let low01 = _mm512_unpacklo_epi32(rows[0], rows[1]);
+        let high01 = _mm512_unpackhi_epi32(rows[0], rows[1]);
+        let low23 = _mm512_unpacklo_epi32(rows[2], rows[3]);
+        let high23 = _mm512_unpackhi_epi32(rows[2], rows[3]);
+        [
+            _mm512_unpacklo_epi64(low01, low23),
+            _mm512_unpackhi_epi64(low01, low23),
+            _mm512_unpacklo_epi64(high01, high23),
+            _mm512_unpackhi_epi64(high01, high23),
+        ]
+    })
+}

@@ -21,7 +21,7 @@ mod mask;
 mod memory;
 
 pub use mask::Mask;
-pub use memory::{choose, choose_far, put, put_far, words};
+pub use memory::{block, choose, choose_far, put, put_far, words};
 
 widen!();
 
