@@ -17,6 +17,8 @@ pub mod kernel {
     pub struct LightChoice {
         pub index: u32,
         pub probability: f32,
+        /// What is left of the random number that it was chosen with: again uniform in [0, 1).
+        pub left: f32,
     }
 
     /// Importance of a group: 0 only where none of its lights has any.
@@ -78,19 +80,17 @@ pub mod kernel {
 
     /// Chooses a light; `total` is `total_importance` there.
     pub fn choose_light<S: SceneAccess + Copy>(scene: S, point: Vec3f, total: f32, u: f32) -> LightChoice {
-        let nothing = LightChoice { index: NONE, probability: 0.0 };
-        let mut choice = LightChoice { index: NONE, probability: 1.0 };
+        let nothing = LightChoice { index: NONE, probability: 0.0, left: 0.0 };
+        let mut choice = LightChoice { index: NONE, probability: 1.0, left: u };
         let mut first: u32 = 0;
         let mut count = S::header(scene).lights;
         let mut sum = total;
-        // What is left of the random number after the choices made with it, in [0, 1).
-        let mut left = u;
         let mut descending = true;
         while descending {
             if sum <= 0.0 {
                 return nothing;
             }
-            let mut rest = left * sum;
+            let mut rest = choice.left * sum;
             let mut chosen: f32 = 0.0;
             let mut offset: f32 = 0.0;
             #[wgsl_allow(non_literal_loop_bounds)]
@@ -105,7 +105,7 @@ pub mod kernel {
                 rest -= importance;
             }
             choice.probability = max(choice.probability * (chosen / sum), 1.0e-30);
-            left = clamp(offset / chosen, 0.0, 0.99999994);
+            choice.left = clamp(offset / chosen, 0.0, 0.99999994);
             let light = S::light(scene, choice.index);
             descending = has::<S>(scene, FEATURE_LIGHT_GROUPS) && light.kind == LIGHT_GROUP;
             first = light.first;

@@ -38,6 +38,9 @@ pub mod kernel {
 
     /// Surfaces after which Russian roulette sets in.
     pub const ROULETTE_START: u32 = 3;
+    /// By so much likelier than its share of light demands a path goes on: what roulette saves is worth less than the
+    /// noise that it makes (measured with Cornell box, bushes and canopy).
+    pub const ROULETTE_CAUTION: f32 = 3.0;
     /// Bound on the segments of a path, undisturbed passages included; never reached by real scenes.
     pub const MAX_SEGMENTS: u32 = 512;
     /// A shadow ray ends this fraction before the lamp that it aims at.
@@ -115,7 +118,7 @@ pub mod kernel {
         normal: Vec3f,
         wo: Vec3f,
         importance: f32,
-        u: Vec3f,
+        u: Vec2f,
     ) -> DirectLight {
         let nowhere = Ray { origin: point.position, direction: normal };
         let mut result = DirectLight { radiance: vec3f(0.0, 0.0, 0.0), end: 0.0, ray: nowhere };
@@ -125,7 +128,8 @@ pub mod kernel {
         }
         let light = S::light(scene, choice.index);
         let both_sides = transmits(bsdf);
-        let sample = sample_light::<S>(scene, light, point.position, normal, both_sides, vec2f(u.y, u.z));
+        let place = vec2f(choice.left, u.y);
+        let sample = sample_light::<S>(scene, light, point.position, normal, both_sides, place);
         let value = evaluate_bsdf(bsdf, normal, wo, sample.direction) * sample.weight;
         if is_dark(value) || !same_side(point, normal, wo, sample.direction) {
             return result;
@@ -322,19 +326,11 @@ pub mod kernel {
         }
 
         // Light that arrives directly and is scattered here.
-        let dimension = DIMENSION_FIRST_SURFACE + path.segment * DIMENSIONS_PER_SURFACE;
-        let u_light = random4(key, dimension);
+        let dimension = DIMENSION_FIRST_SURFACE + path.segment;
+        let u = random4(key, dimension);
         let importance = total_importance::<S>(scene, point.position);
         if importance > 0.0 {
-            let direct = direct_light::<S>(
-                scene,
-                point,
-                bsdf,
-                normal,
-                wo,
-                importance,
-                vec3f(u_light.x, u_light.y, u_light.z),
-            );
+            let direct = direct_light::<S>(scene, point, bsdf, normal, wo, importance, vec2f(u.x, u.y));
             let arriving = path.throughput * direct.radiance;
             if direct.end > 0.0 {
                 path.shadow = direct.ray;
@@ -348,8 +344,7 @@ pub mod kernel {
         }
 
         // Where the path goes on.
-        let u = random4(key, dimension + 1u32);
-        let sample = sample_bsdf(bsdf, normal, wo, vec3f(u.x, u.y, u.z));
+        let sample = sample_bsdf(bsdf, normal, wo, vec2f(u.z, u.w));
         path.event = sample.event;
         if sample.event == EVENT_ABSORBED || !same_side(point, normal, wo, sample.direction) {
             path.event = EVENT_ABSORBED;
@@ -379,8 +374,8 @@ pub mod kernel {
 
         // Russian roulette: weak paths end, the others carry their light.
         if path.touched >= ROULETTE_START {
-            let survival = min(largest(path.throughput), 0.95);
-            if u.w >= survival {
+            let survival = min(largest(path.throughput) * ROULETTE_CAUTION, 0.95);
+            if independent_number(key, dimension) >= survival {
                 path.event = EVENT_STOPPED;
                 path.follows = false;
                 return path;

@@ -36,10 +36,8 @@ pub mod kernel {
 
     /// Dimension of the position within the pixel and on the lens.
     pub const DIMENSION_PIXEL: u32 = 0;
-    /// First dimension of the surfaces along a path; each takes `DIMENSIONS_PER_SURFACE`.
+    /// Dimension of the first surface of a path; the next ones follow.
     pub const DIMENSION_FIRST_SURFACE: u32 = 1;
-    /// Dimensions that one surface of a path uses up.
-    pub const DIMENSIONS_PER_SURFACE: u32 = 2;
     /// Added to the object index to decide whether a ray passes a partly transparent object.
     pub const DIMENSION_OPACITY: u32 = 2147483648;
 
@@ -113,8 +111,13 @@ pub mod kernel {
         key
     }
 
-    /// Four numbers, uniform in [0, 1) and well distributed together over the samples of a pixel, or independent.
-    /// Those of different dimensions are independent.
+    /// One number, uniform in [0, 1), that is independent of all others of all samplers.
+    pub fn independent_number(key: SampleKey, dimension: u32) -> f32 {
+        unit_float(pcg4d(vec4u(key.pixel, key.sample, dimension ^ 2654435769u32, key.seed)).x)
+    }
+
+    /// Four numbers, uniform in [0, 1) and well distributed together over the samples of a pixel, or independent:
+    /// best the first two, and the last two. Those of different dimensions are independent.
     pub fn random4(key: SampleKey, dimension: u32) -> Vec4f {
         let sobol = key.index_mask != 0u32;
         let first = select(key.pixel, key.scramble, sobol);

@@ -91,7 +91,7 @@ fn sampled_directions_follow_the_density() {
             let mut counts = vec![0u32; RINGS * SECTORS];
             for index in 0..SAMPLES {
                 let u = random4(independent_key(index, number as u32, 3), 1);
-                let sample = sample_bsdf(bsdf, NORMAL, wo, vec3f(u.x, u.y, u.z));
+                let sample = sample_bsdf(bsdf, NORMAL, wo, vec2f(u.x, u.y));
                 if sample.event == EVENT_SCATTERED {
                     counts[bin(sample.direction)] += 1;
                 }
@@ -132,7 +132,7 @@ fn weights_are_value_over_density() {
         for wo in viewers() {
             for index in 0..500 {
                 let u = random4(independent_key(index, 0, 5), 2);
-                let sample = sample_bsdf(bsdf, NORMAL, wo, vec3f(u.x, u.y, u.z));
+                let sample = sample_bsdf(bsdf, NORMAL, wo, vec2f(u.x, u.y));
                 if sample.event != EVENT_SCATTERED {
                     continue;
                 }
@@ -182,7 +182,7 @@ fn no_more_light_leaves_than_arrives() {
             let (mut sum, mut squares) = (0.0, 0.0);
             for index in 0..SAMPLES {
                 let u = random4(independent_key(index, 7, 1), 4);
-                let sample = sample_bsdf(bsdf, NORMAL, wo, vec3f(u.x, u.y, u.z));
+                let sample = sample_bsdf(bsdf, NORMAL, wo, vec2f(u.x, u.y));
                 let mut weight = f64::from(sample.weight.x.max(sample.weight.y).max(sample.weight.z));
                 if sample.direction.x < 0.0 {
                     // Radiance in another medium counts by the square of its index.

@@ -234,7 +234,7 @@ fn an_open_number_of_samples_is_planned_for_the_most() {
     // Whatever number is reached, by whatever passes, the samples are the first of one long sequence.
     let most_samples = 4096;
     let plain = settings(16, 12, 64, 3);
-    let rule = StopRule { time: None, noise: Some(0.06), most_samples };
+    let rule = StopRule { time: None, noise: Some(0.03), most_samples };
     let (film, _) = film_of(Sampling::Until(rule), &plain);
     let samples = film.pixels[0].samples;
     assert!(samples > 16 && samples < most_samples, "{samples}");

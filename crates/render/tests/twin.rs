@@ -152,7 +152,7 @@ pub mod probes {
             wo = -wo;
         }
         if which == 11u32 {
-            let sample = sample_bsdf(random_bsdf(index), normal, wo, vec3f(r.x, r.y, r.z));
+            let sample = sample_bsdf(random_bsdf(index), normal, wo, vec2f(r.x, r.y));
             return spread(sample.direction, f32(sample.event));
         }
         if which == 12u32 {

@@ -709,34 +709,21 @@ fn nested_uniform_scramble(bits: u32, seed: u32) -> u32 {
     return reverseBits(permute_upwards(reverseBits(bits), seed));
 }
 
-fn sobol4(index: u32) -> vec4u {
+fn pascal(index: u32) -> u32 {
     var y = index;
     y = (y ^ ((y >> 1u) & 1431655765u));
     y = (y ^ ((y >> 2u) & 858993459u));
     y = (y ^ ((y >> 4u) & 252645135u));
     y = (y ^ ((y >> 8u) & 16711935u));
-    y = (y ^ (y >> 16u));
-    var z: u32 = 0u;
-    var z0: u32 = 1u;
-    var z1: u32 = 3u;
-    var w: u32 = 0u;
-    var w0: u32 = 1u;
-    var w1: u32 = 3u;
-    var w2: u32 = 4u;
-    for (var digit = 0u; digit < INDEX_DIGITS; digit++) {
-        if ((index & (1u << digit)) != 0u) {
-            z ^= z0;
-            w ^= w0;
-        }
-        let z2 = ((z1 ^ z0) ^ (z0 << 2u));
-        z0 = z1;
-        z1 = z2;
-        let w3 = ((w1 ^ w0) ^ (w0 << 3u));
-        w0 = w1;
-        w1 = w2;
-        w2 = w3;
-    }
-    return vec4u(index, y, z, w);
+    return (y ^ (y >> 16u));
+}
+
+fn sobol4(index: u32) -> vec4u {
+    var z = index;
+    z = (z ^ ((z >> 4u) & 111726858u));
+    z = (z ^ ((z >> 6u) & 39179627u));
+    z = (z ^ ((z >> 3u) & 228095095u));
+    return vec4u(index, pascal(index), z, pascal(z));
 }
 
 fn scrambled_sobol4(index: u32, seeds: vec4u) -> vec4u {
@@ -772,7 +759,6 @@ struct SampleKey {
 }
 const DIMENSION_PIXEL: u32 = 0u;
 const DIMENSION_FIRST_SURFACE: u32 = 1u;
-const DIMENSIONS_PER_SURFACE: u32 = 2u;
 const DIMENSION_OPACITY: u32 = 2147483648u;
 
 fn pcg4d(v: vec4u) -> vec4u {
@@ -836,6 +822,10 @@ fn key_of_sample(
         key.index = ((other.index & (4294967295u ^ within)) | (sample & within));
     }
     return key;
+}
+
+fn independent_number(key: SampleKey, dimension: u32) -> f32 {
+    return unit_float(pcg4d(vec4u(key.pixel, key.sample, (dimension ^ 2654435769u), key.seed)).x);
 }
 
 fn random4(key: SampleKey, dimension: u32) -> vec4f {
@@ -1922,14 +1912,18 @@ fn transmits(bsdf: Bsdf) -> bool {
     return ((largest(bsdf.diffuse_transmission) > 0.0) || (blurred && (largest(bsdf.glossy_transmission) > 0.0)));
 }
 
-fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
+fn left_of(u: vec2f, start: f32, chance: f32) -> vec2f {
+    return vec2f(clamp(((u.x - start) / chance), 0.0, 0.99999994), u.y);
+}
+
+fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec2f) -> BsdfSample {
     let chance = lobe_probabilities(bsdf);
     var sample = BsdfSample(normal, vec3f(0.0, 0.0, 0.0), 0.0, EVENT_ABSORBED);
     let up_to_glossy = (chance.x + chance.y);
     let up_to_diffuse_transmission = (up_to_glossy + chance.z);
     let up_to_glossy_transmission = (up_to_diffuse_transmission + chance.w);
     if (u.x < chance.x) {
-        sample.direction = around_axis(normal, cosine_hemisphere(vec2f(u.y, u.z)));
+        sample.direction = around_axis(normal, cosine_hemisphere(left_of(u, 0.0, chance.x)));
     } else if (u.x < up_to_glossy) {
         let mirrored = reflect(-wo, normal);
         if (bsdf.exponent >= MIRROR_EXPONENT) {
@@ -1938,12 +1932,12 @@ fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
             sample.event = EVENT_MIRRORED;
             return sample;
         }
-        sample.direction = around_axis(mirrored, power_cosine(vec2f(u.y, u.z), bsdf.exponent));
+        sample.direction = around_axis(mirrored, power_cosine(left_of(u, chance.x, chance.y), bsdf.exponent));
         if (dot(sample.direction, normal) <= 0.0) {
             return sample;
         }
     } else if (u.x < up_to_diffuse_transmission) {
-        sample.direction = around_axis(-normal, cosine_hemisphere(vec2f(u.y, u.z)));
+        sample.direction = around_axis(-normal, cosine_hemisphere(left_of(u, up_to_glossy, chance.z)));
     } else if (u.x < up_to_glossy_transmission) {
         let onwards = refracted_direction(bsdf.eta, normal, wo);
         if (bsdf.transmission_exponent >= MIRROR_EXPONENT) {
@@ -1952,7 +1946,8 @@ fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
             sample.event = EVENT_MIRRORED;
             return sample;
         }
-        sample.direction = around_axis(onwards, power_cosine(vec2f(u.y, u.z), bsdf.transmission_exponent));
+        let left = left_of(u, up_to_diffuse_transmission, chance.w);
+        sample.direction = around_axis(onwards, power_cosine(left, bsdf.transmission_exponent));
         if (dot(sample.direction, normal) >= 0.0) {
             return sample;
         }
@@ -2795,7 +2790,8 @@ const MOST_RAYS: u32 = 512u;
 
 struct LightChoice {
     index: u32,
-    probability: f32
+    probability: f32,
+    left: f32
 }
 
 fn group_importance(group: LightRecord, point: vec3f) -> f32 {
@@ -2835,18 +2831,17 @@ fn light_importance(light: LightRecord, point: vec3f) -> f32 {
 }
 
 fn choose_light_Buffers(scene: Buffers, point: vec3f, total: f32, u: f32) -> LightChoice {
-    let nothing = LightChoice(NONE, 0.0);
-    var choice = LightChoice(NONE, 1.0);
+    let nothing = LightChoice(NONE, 0.0, 0.0);
+    var choice = LightChoice(NONE, 1.0, u);
     var first: u32 = 0u;
     var count = Buffers_header(scene).lights;
     var sum = total;
-    var left = u;
     var descending = true;
     while descending {
         if (sum <= 0.0) {
             return nothing;
         }
-        var rest = (left * sum);
+        var rest = (choice.left * sum);
         var chosen: f32 = 0.0;
         var offset: f32 = 0.0;
         for (var i = 0u; i < count; i++) {
@@ -2859,7 +2854,7 @@ fn choose_light_Buffers(scene: Buffers, point: vec3f, total: f32, u: f32) -> Lig
             rest -= importance;
         }
         choice.probability = max((choice.probability * (chosen / sum)), 1.0e-30);
-        left = clamp((offset / chosen), 0.0, 0.99999994);
+        choice.left = clamp((offset / chosen), 0.0, 0.99999994);
         let light = Buffers_light(scene, choice.index);
         descending = (has_Buffers(scene, FEATURE_LIGHT_GROUPS) && (light.kind == LIGHT_GROUP));
         first = light.first;
@@ -2907,6 +2902,7 @@ struct PathVertex {
     importance: f32
 }
 const ROULETTE_START: u32 = 3u;
+const ROULETTE_CAUTION: f32 = 3.0;
 const MAX_SEGMENTS: u32 = 512u;
 const SHADOW_END: f32 = 0.9999;
 
@@ -2965,7 +2961,7 @@ fn direct_light_Buffers(
     normal: vec3f,
     wo: vec3f,
     importance: f32,
-    u: vec3f,
+    u: vec2f,
 ) -> DirectLight {
     let nowhere = Ray(point.position, normal);
     var result = DirectLight(vec3f(0.0, 0.0, 0.0), 0.0, nowhere);
@@ -2975,7 +2971,8 @@ fn direct_light_Buffers(
     }
     let light = Buffers_light(scene, choice.index);
     let both_sides = transmits(bsdf);
-    let sample = sample_light_Buffers(scene, light, point.position, normal, both_sides, vec2f(u.y, u.z));
+    let place = vec2f(choice.left, u.y);
+    let sample = sample_light_Buffers(scene, light, point.position, normal, both_sides, place);
     let value = (evaluate_bsdf(bsdf, normal, wo, sample.direction) * sample.weight);
     if (is_dark(value) || !same_side(point, normal, wo, sample.direction)) {
         return result;
@@ -3116,11 +3113,11 @@ fn meet_surface_Buffers(
         path.segment += 1u;
         return path;
     }
-    let dimension = (DIMENSION_FIRST_SURFACE + (path.segment * DIMENSIONS_PER_SURFACE));
-    let u_light = random4(key, dimension);
+    let dimension = (DIMENSION_FIRST_SURFACE + path.segment);
+    let u = random4(key, dimension);
     let importance = total_importance_Buffers(scene, point.position);
     if (importance > 0.0) {
-        let direct = direct_light_Buffers(scene, point, bsdf, normal, wo, importance, vec3f(u_light.x, u_light.y, u_light.z));
+        let direct = direct_light_Buffers(scene, point, bsdf, normal, wo, importance, vec2f(u.x, u.y));
         let arriving = (path.throughput * direct.radiance);
         if (direct.end > 0.0) {
             path.shadow = direct.ray;
@@ -3132,8 +3129,7 @@ fn meet_surface_Buffers(
             path.radiance += arriving;
         }
     }
-    let u = random4(key, (dimension + 1u));
-    let sample = sample_bsdf(bsdf, normal, wo, vec3f(u.x, u.y, u.z));
+    let sample = sample_bsdf(bsdf, normal, wo, vec2f(u.z, u.w));
     path.event = sample.event;
     if ((sample.event == EVENT_ABSORBED) || !same_side(point, normal, wo, sample.direction)) {
         path.event = EVENT_ABSORBED;
@@ -3155,8 +3151,8 @@ fn meet_surface_Buffers(
         path.previous = PathVertex(point.position, normal, transmits(bsdf), sample.pdf, importance);
     }
     if (path.touched >= ROULETTE_START) {
-        let survival = min(largest(path.throughput), 0.95);
-        if (u.w >= survival) {
+        let survival = min((largest(path.throughput) * ROULETTE_CAUTION), 0.95);
+        if (independent_number(key, dimension) >= survival) {
             path.event = EVENT_STOPPED;
             path.follows = false;
             return path;

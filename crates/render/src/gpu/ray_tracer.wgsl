@@ -709,34 +709,21 @@ fn nested_uniform_scramble(bits: u32, seed: u32) -> u32 {
     return reverseBits(permute_upwards(reverseBits(bits), seed));
 }
 
-fn sobol4(index: u32) -> vec4u {
+fn pascal(index: u32) -> u32 {
     var y = index;
     y = (y ^ ((y >> 1u) & 1431655765u));
     y = (y ^ ((y >> 2u) & 858993459u));
     y = (y ^ ((y >> 4u) & 252645135u));
     y = (y ^ ((y >> 8u) & 16711935u));
-    y = (y ^ (y >> 16u));
-    var z: u32 = 0u;
-    var z0: u32 = 1u;
-    var z1: u32 = 3u;
-    var w: u32 = 0u;
-    var w0: u32 = 1u;
-    var w1: u32 = 3u;
-    var w2: u32 = 4u;
-    for (var digit = 0u; digit < INDEX_DIGITS; digit++) {
-        if ((index & (1u << digit)) != 0u) {
-            z ^= z0;
-            w ^= w0;
-        }
-        let z2 = ((z1 ^ z0) ^ (z0 << 2u));
-        z0 = z1;
-        z1 = z2;
-        let w3 = ((w1 ^ w0) ^ (w0 << 3u));
-        w0 = w1;
-        w1 = w2;
-        w2 = w3;
-    }
-    return vec4u(index, y, z, w);
+    return (y ^ (y >> 16u));
+}
+
+fn sobol4(index: u32) -> vec4u {
+    var z = index;
+    z = (z ^ ((z >> 4u) & 111726858u));
+    z = (z ^ ((z >> 6u) & 39179627u));
+    z = (z ^ ((z >> 3u) & 228095095u));
+    return vec4u(index, pascal(index), z, pascal(z));
 }
 
 fn scrambled_sobol4(index: u32, seeds: vec4u) -> vec4u {
@@ -772,7 +759,6 @@ struct SampleKey {
 }
 const DIMENSION_PIXEL: u32 = 0u;
 const DIMENSION_FIRST_SURFACE: u32 = 1u;
-const DIMENSIONS_PER_SURFACE: u32 = 2u;
 const DIMENSION_OPACITY: u32 = 2147483648u;
 
 fn pcg4d(v: vec4u) -> vec4u {
@@ -836,6 +822,10 @@ fn key_of_sample(
         key.index = ((other.index & (4294967295u ^ within)) | (sample & within));
     }
     return key;
+}
+
+fn independent_number(key: SampleKey, dimension: u32) -> f32 {
+    return unit_float(pcg4d(vec4u(key.pixel, key.sample, (dimension ^ 2654435769u), key.seed)).x);
 }
 
 fn random4(key: SampleKey, dimension: u32) -> vec4f {
@@ -1922,14 +1912,18 @@ fn transmits(bsdf: Bsdf) -> bool {
     return ((largest(bsdf.diffuse_transmission) > 0.0) || (blurred && (largest(bsdf.glossy_transmission) > 0.0)));
 }
 
-fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
+fn left_of(u: vec2f, start: f32, chance: f32) -> vec2f {
+    return vec2f(clamp(((u.x - start) / chance), 0.0, 0.99999994), u.y);
+}
+
+fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec2f) -> BsdfSample {
     let chance = lobe_probabilities(bsdf);
     var sample = BsdfSample(normal, vec3f(0.0, 0.0, 0.0), 0.0, EVENT_ABSORBED);
     let up_to_glossy = (chance.x + chance.y);
     let up_to_diffuse_transmission = (up_to_glossy + chance.z);
     let up_to_glossy_transmission = (up_to_diffuse_transmission + chance.w);
     if (u.x < chance.x) {
-        sample.direction = around_axis(normal, cosine_hemisphere(vec2f(u.y, u.z)));
+        sample.direction = around_axis(normal, cosine_hemisphere(left_of(u, 0.0, chance.x)));
     } else if (u.x < up_to_glossy) {
         let mirrored = reflect(-wo, normal);
         if (bsdf.exponent >= MIRROR_EXPONENT) {
@@ -1938,12 +1932,12 @@ fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
             sample.event = EVENT_MIRRORED;
             return sample;
         }
-        sample.direction = around_axis(mirrored, power_cosine(vec2f(u.y, u.z), bsdf.exponent));
+        sample.direction = around_axis(mirrored, power_cosine(left_of(u, chance.x, chance.y), bsdf.exponent));
         if (dot(sample.direction, normal) <= 0.0) {
             return sample;
         }
     } else if (u.x < up_to_diffuse_transmission) {
-        sample.direction = around_axis(-normal, cosine_hemisphere(vec2f(u.y, u.z)));
+        sample.direction = around_axis(-normal, cosine_hemisphere(left_of(u, up_to_glossy, chance.z)));
     } else if (u.x < up_to_glossy_transmission) {
         let onwards = refracted_direction(bsdf.eta, normal, wo);
         if (bsdf.transmission_exponent >= MIRROR_EXPONENT) {
@@ -1952,7 +1946,8 @@ fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec3f) -> BsdfSample {
             sample.event = EVENT_MIRRORED;
             return sample;
         }
-        sample.direction = around_axis(onwards, power_cosine(vec2f(u.y, u.z), bsdf.transmission_exponent));
+        let left = left_of(u, up_to_diffuse_transmission, chance.w);
+        sample.direction = around_axis(onwards, power_cosine(left, bsdf.transmission_exponent));
         if (dot(sample.direction, normal) >= 0.0) {
             return sample;
         }
@@ -3028,7 +3023,8 @@ fn trace_rays_Buffers(scene: Buffers, settings: LaunchSettings, key: SampleKey, 
 
 struct LightChoice {
     index: u32,
-    probability: f32
+    probability: f32,
+    left: f32
 }
 
 fn group_importance(group: LightRecord, point: vec3f) -> f32 {
@@ -3075,6 +3071,7 @@ struct PathVertex {
     importance: f32
 }
 const ROULETTE_START: u32 = 3u;
+const ROULETTE_CAUTION: f32 = 3.0;
 const MAX_SEGMENTS: u32 = 512u;
 const SHADOW_END: f32 = 0.9999;
 
