@@ -285,7 +285,7 @@ impl FilmSums {
 }
 
 /// Whether two parts are the halves of a node.
-fn are_halves(left: &Range<u32>, right: &Range<u32>) -> bool {
+pub(crate) fn are_halves(left: &Range<u32>, right: &Range<u32>) -> bool {
     // A block that is not full has no halves.
     let is_full = |samples: &Range<u32>| (samples.end - samples.start).is_multiple_of(BLOCK_SAMPLES);
     left.end == right.start
@@ -348,7 +348,7 @@ pub(crate) fn sum_of_parts(
 }
 
 /// Adds samples to those that come before.
-fn add_pixels(left: &mut [FilmPixel], right: &[FilmPixel]) {
+pub(crate) fn add_pixels(left: &mut [FilmPixel], right: &[FilmPixel]) {
     /// Pixels that one thread takes at a time.
     const PIECE: usize = 1 << 14;
     left.par_chunks_mut(PIECE).zip(right.par_chunks(PIECE)).for_each(|(left, right)| {
