@@ -125,7 +125,7 @@ fn record(commit: &str, rows: &[Value]) -> String {
         "processor": "Some CPU", "threads": 2, "graphics_cards": [card], "system": "Some Linux"
     });
     let date = "2008-09-30T12:00:00Z";
-    json!({ "version": "0.1.0", "commit": commit, "date": date, "machine": machine, "rows": rows })
+    json!({ "version": "0.2.0", "commit": commit, "date": date, "machine": machine, "rows": rows })
         .to_string()
 }
 
@@ -149,8 +149,8 @@ fn a_comparison_marks_what_changed_and_names_what_is_missing() {
     write("new.json", record("2222222", &new));
     let output = sunshine(directory.path(), &["bench", "compare", "old.json", "new.json"]);
     let expected = "\
-old: sunshine 0.1.0, commit 1111111, 2008-09-30T12:00:00Z, Some CPU, 2 threads, Card (Vulkan 7), Some Linux
-new: sunshine 0.1.0, commit 2222222, 2008-09-30T12:00:00Z, Some CPU, 2 threads, Card (Vulkan 7), Some Linux
+old: sunshine 0.2.0, commit 1111111, 2008-09-30T12:00:00Z, Some CPU, 2 threads, Card (Vulkan 7), Some Linux
+new: sunshine 0.2.0, commit 2222222, 2008-09-30T12:00:00Z, Some CPU, 2 threads, Card (Vulkan 7), Some Linux
 
 ratios new : old, below 1 is faster or smaller
 
@@ -182,7 +182,7 @@ fn files_that_are_no_measurements_are_named_with_what_was_found() {
     write("good.json", &good);
     write("cut.json", &good[..good.len() / 2]);
     write("empty.json", "");
-    write("other.json", r#"{ "version": "0.1.0", "width": 640 }"#);
+    write("other.json", r#"{ "version": "0.2.0", "width": 640 }"#);
     write("wrong.json", &good.replace("\"samples\":16", "\"samples\":-16"));
     write("deep.json", &"[".repeat(100_000));
     for (file, found) in [
