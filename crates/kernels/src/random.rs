@@ -34,11 +34,9 @@ pub mod kernel {
         pub scramble: u32,
     }
 
-    /// Dimension of the position within the pixel, and of the light at the first surface.
+    /// Dimension of the position within the pixel and on the lens.
     pub const DIMENSION_PIXEL: u32 = 0;
-    /// Dimension of the position on the lens.
-    pub const DIMENSION_LENS: u32 = 536870912;
-    /// Dimension of the direction from the first surface of a path on, and of the light at the next; the others follow.
+    /// Dimension of the first surface of a path; the next ones follow.
     pub const DIMENSION_FIRST_SURFACE: u32 = 1;
     /// Added to the object index to decide whether a ray passes a partly transparent object.
     pub const DIMENSION_OPACITY: u32 = 2147483648;
@@ -134,7 +132,7 @@ pub mod kernel {
         vec4f(unit_float(bits.x), unit_float(bits.y), unit_float(bits.z), unit_float(bits.w))
     }
 
-    /// Position of a sample within its pixel in `xy`, and in `zw` numbers for the light that is seen there, in [0, 1)⁴.
+    /// Position of a sample within its pixel in `xy`, that on the lens in `zw`, in [0, 1)⁴.
     ///
     /// Independent numbers: the pixel is divided into `grid` x `grid` cells that are visited in turn; each pixel
     /// starts at a random cell, so that a sample count that is no multiple of the number of cells stays unbiased.

@@ -758,7 +758,6 @@ struct SampleKey {
     scramble: u32
 }
 const DIMENSION_PIXEL: u32 = 0u;
-const DIMENSION_LENS: u32 = 536870912u;
 const DIMENSION_FIRST_SURFACE: u32 = 1u;
 const DIMENSION_OPACITY: u32 = 2147483648u;
 
@@ -3064,6 +3063,66 @@ fn light_importance(light: LightRecord, point: vec3f) -> f32 {
     return light.importance;
 }
 
+struct PathVertex {
+    position: vec3f,
+    normal: vec3f,
+    both_sides: bool,
+    pdf: f32,
+    importance: f32
+}
+const ROULETTE_START: u32 = 3u;
+const ROULETTE_CAUTION: f32 = 3.0;
+const MAX_SEGMENTS: u32 = 512u;
+const SHADOW_END: f32 = 0.9999;
+
+fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
+    if (previous.pdf <= 0.0) {
+        return 1.0;
+    }
+    return power_heuristic(previous.pdf, light_pdf);
+}
+
+struct DirectLight {
+    radiance: vec3f,
+    end: f32,
+    ray: Ray
+}
+
+struct PathState {
+    radiance: vec3f,
+    rays: u32,
+    throughput: vec3f,
+    touched: u32,
+    ray: Ray,
+    follows: bool,
+    segment: u32,
+    media: Media,
+    previous: PathVertex,
+    event: u32,
+    direct: vec3f,
+    shadow: Ray,
+    shadow_end: f32,
+    shadow_light: vec3f,
+    goes_on: bool
+}
+const EVENT_ESCAPED: u32 = 4u;
+const EVENT_STOPPED: u32 = 5u;
+const EVENT_STARTED: u32 = 6u;
+
+fn start_path(first: Ray) -> PathState {
+    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, true, 0u, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), first, 0.0, vec3f(0.0, 0.0, 0.0), true);
+}
+
+fn receive_light(before: PathState, passed: vec3f) -> PathState {
+    var path = before;
+    path.rays += 1u;
+    path.direct = (path.shadow_light * passed);
+    path.radiance += path.direct;
+    path.shadow_end = 0.0;
+    path.goes_on = path.follows;
+    return path;
+}
+
 const FILTER_BOX: u32 = 0u;
 const FILTER_TENT: u32 = 1u;
 const FILTER_GAUSSIAN: u32 = 2u;
@@ -3188,88 +3247,20 @@ fn concentric_disc(u: vec2f) -> vec2f {
     return vec2f((b * sin(angle)), (b * cos(angle)));
 }
 
-struct CameraSample {
-    ray: Ray,
-    light_numbers: vec2f
-}
-
-fn sample_camera(
+fn sampled_camera_ray(
     header: SceneHeader,
     settings: LaunchSettings,
     key: SampleKey,
     x: u32,
     y: u32,
-) -> CameraSample {
+) -> Ray {
     let numbers = camera_numbers(key, settings.grid);
     let position = filter_position(settings.reconstruction, vec2f(numbers.x, numbers.y));
     var lens = vec2f(0.0, 0.0);
     if (header.lens_radius > 0.0) {
-        let u = random4(key, DIMENSION_LENS);
-        lens = concentric_disc(vec2f(u.x, u.y));
+        lens = concentric_disc(vec2f(numbers.z, numbers.w));
     }
-    return CameraSample(lens_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y), lens), vec2f(numbers.z, numbers.w));
-}
-
-struct PathVertex {
-    position: vec3f,
-    normal: vec3f,
-    both_sides: bool,
-    pdf: f32,
-    importance: f32
-}
-const ROULETTE_START: u32 = 3u;
-const ROULETTE_CAUTION: f32 = 3.0;
-const MAX_SEGMENTS: u32 = 512u;
-const SHADOW_END: f32 = 0.9999;
-
-fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
-    if (previous.pdf <= 0.0) {
-        return 1.0;
-    }
-    return power_heuristic(previous.pdf, light_pdf);
-}
-
-struct DirectLight {
-    radiance: vec3f,
-    end: f32,
-    ray: Ray
-}
-
-struct PathState {
-    radiance: vec3f,
-    rays: u32,
-    throughput: vec3f,
-    touched: u32,
-    ray: Ray,
-    follows: bool,
-    segment: u32,
-    light_numbers: vec2f,
-    media: Media,
-    previous: PathVertex,
-    event: u32,
-    direct: vec3f,
-    shadow: Ray,
-    shadow_end: f32,
-    shadow_light: vec3f,
-    goes_on: bool
-}
-const EVENT_ESCAPED: u32 = 4u;
-const EVENT_STOPPED: u32 = 5u;
-const EVENT_STARTED: u32 = 6u;
-
-fn start_path(start: CameraSample) -> PathState {
-    let first = start.ray;
-    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, true, 0u, start.light_numbers, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), first, 0.0, vec3f(0.0, 0.0, 0.0), true);
-}
-
-fn receive_light(before: PathState, passed: vec3f) -> PathState {
-    var path = before;
-    path.rays += 1u;
-    path.direct = (path.shadow_light * passed);
-    path.radiance += path.direct;
-    path.shadow_end = 0.0;
-    path.goes_on = path.follows;
-    return path;
+    return lens_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y), lens);
 }
 
 struct PathSample {
@@ -3297,7 +3288,7 @@ fn add_samples_Buffers(
     var film = before;
     for (var i = 0u; i < count; i++) {
         let key = sample_key(settings, x, y, (settings.first_sample + i));
-        let ray = sample_camera(header, settings, key, x, y).ray;
+        let ray = sampled_camera_ray(header, settings, key, x, y);
         let traced = trace_rays_Buffers(scene, settings, key, ray);
         film = add_sample(film, traced.radiance, traced.rays);
     }
@@ -3374,7 +3365,7 @@ fn layers_of_pixel_Buffers(
     var layers = before;
     for (var i = 0u; i < settings.samples; i++) {
         let key = sample_key(settings, x, y, (settings.first_sample + i));
-        let ray = sample_camera(header, settings, key, x, y).ray;
+        let ray = sampled_camera_ray(header, settings, key, x, y);
         layers = add_first_hit_Buffers(scene, key, ray, layers);
     }
     return layers;
