@@ -1,5 +1,5 @@
-//! A low-discrepancy sequence over samples and pixels: the first four dimensions of Sobol's sequence, scrambled
-//! after Owen, visited along a Z-order curve.
+//! A low-discrepancy sequence over samples and pixels: the first two dimensions of Sobol's sequence, and the same in
+//! another order as a second pair, scrambled after Owen, visited along a Z-order curve.
 //!
 //! - Sequence and padding: Burley, "Practical Hash-based Owen Scrambling" (JCGT 9(4), 2020): more dimensions than
 //!   four are had in groups of four, each with an order of its own that is a nested uniform shuffling.
@@ -17,9 +17,6 @@ pub mod kernel {
     /// Binary logarithm of the edge of the pixel blocks that share a scrambled sequence. Errors are opposed up to
     /// this distance; larger blocks would make indices long and so the sequence costly.
     pub const BLOCK_LEVELS: u32 = 4;
-
-    /// Binary digits that indices may have: those of the longest sequence and of the place in a block.
-    pub const INDEX_DIGITS: u32 = 28;
 
     /// Avalanches the bits of a number (the finaliser of MurmurHash3).
     pub fn mix_bits(bits: u32) -> u32 {

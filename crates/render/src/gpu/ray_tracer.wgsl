@@ -685,7 +685,6 @@ fn offset_origin(point: SurfacePoint, direction: vec3f) -> vec3f {
 }
 
 const BLOCK_LEVELS: u32 = 4u;
-const INDEX_DIGITS: u32 = 28u;
 
 fn mix_bits(bits: u32) -> u32 {
     var x = bits;
