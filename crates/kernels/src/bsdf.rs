@@ -369,11 +369,6 @@ pub mod kernel {
         largest(bsdf.diffuse_transmission) > 0.0 || (blurred && largest(bsdf.glossy_transmission) > 0.0)
     }
 
-    /// Numbers that are uniform again after `u.x` has chosen the interval of length `chance` from `start` on.
-    pub fn left_of(u: Vec2f, start: f32, chance: f32) -> Vec2f {
-        vec2f(clamp((u.x - start) / chance, 0.0, 0.99999994), u.y)
-    }
-
     /// Draws a direction; `u.x` chooses the lobe, and what is left of it and `u.y` the direction within the lobe.
     pub fn sample_bsdf(bsdf: Bsdf, normal: Vec3f, wo: Vec3f, u: Vec2f) -> BsdfSample {
         let chance = lobe_probabilities(bsdf);
@@ -383,7 +378,8 @@ pub mod kernel {
         let up_to_diffuse_transmission = up_to_glossy + chance.z;
         let up_to_glossy_transmission = up_to_diffuse_transmission + chance.w;
         if u.x < chance.x {
-            sample.direction = around_axis(normal, cosine_hemisphere(left_of(u, 0.0, chance.x)));
+            let within = vec2f(stretched(u.x, 0.0, chance.x), u.y);
+            sample.direction = around_axis(normal, cosine_hemisphere(within));
         } else if u.x < up_to_glossy {
             let mirrored = reflect(-wo, normal);
             if bsdf.exponent >= MIRROR_EXPONENT {
@@ -392,13 +388,14 @@ pub mod kernel {
                 sample.event = EVENT_MIRRORED;
                 return sample;
             }
-            sample.direction =
-                around_axis(mirrored, power_cosine(left_of(u, chance.x, chance.y), bsdf.exponent));
+            let within = vec2f(stretched(u.x, chance.x, chance.y), u.y);
+            sample.direction = around_axis(mirrored, power_cosine(within, bsdf.exponent));
             if dot(sample.direction, normal) <= 0.0 {
                 return sample;
             }
         } else if u.x < up_to_diffuse_transmission {
-            sample.direction = around_axis(-normal, cosine_hemisphere(left_of(u, up_to_glossy, chance.z)));
+            let within = vec2f(stretched(u.x, up_to_glossy, chance.z), u.y);
+            sample.direction = around_axis(-normal, cosine_hemisphere(within));
         } else if u.x < up_to_glossy_transmission {
             let onwards = refracted_direction(bsdf.eta, normal, wo);
             if bsdf.transmission_exponent >= MIRROR_EXPONENT {
@@ -407,8 +404,8 @@ pub mod kernel {
                 sample.event = EVENT_MIRRORED;
                 return sample;
             }
-            let left = left_of(u, up_to_diffuse_transmission, chance.w);
-            sample.direction = around_axis(onwards, power_cosine(left, bsdf.transmission_exponent));
+            let within = vec2f(stretched(u.x, up_to_diffuse_transmission, chance.w), u.y);
+            sample.direction = around_axis(onwards, power_cosine(within, bsdf.transmission_exponent));
             if dot(sample.direction, normal) >= 0.0 {
                 return sample;
             }

@@ -10,6 +10,7 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod kernel {
     use crate::records::kernel::*;
+    use crate::warp::kernel::*;
     use wgsl_rs::std::*;
 
     /// A chosen light and the probability with which it is chosen.
@@ -105,7 +106,7 @@ pub mod kernel {
                 rest -= importance;
             }
             choice.probability = max(choice.probability * (chosen / sum), 1.0e-30);
-            choice.left = clamp(offset / chosen, 0.0, 0.99999994);
+            choice.left = stretched(offset, 0.0, chosen);
             let light = S::light(scene, choice.index);
             descending = has::<S>(scene, FEATURE_LIGHT_GROUPS) && light.kind == LIGHT_GROUP;
             first = light.first;

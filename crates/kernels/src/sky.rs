@@ -139,12 +139,9 @@ pub mod kernel {
         let mut first = u.x;
         if both_sides {
             // One number chooses the side and, stretched, the angle.
-            if first < 0.5 {
-                first *= 2.0;
-            } else {
-                first = min(first * 2.0 - 1.0, 0.99999994);
-                side = -1.0;
-            }
+            let behind = first >= 0.5;
+            first = stretched(first, select(0.0, 0.5, behind), 0.5);
+            side = select(1.0, -1.0, behind);
         }
         let direction = around_axis(normal * side, cosine_hemisphere(vec2f(first, u.y)));
         SkyDirection { direction, pdf: uniform_sky_pdf(normal, direction, both_sides) }

@@ -12,6 +12,11 @@ pub mod kernel {
     pub const INVERSE_PI: f32 = 0.318309886183791;
     pub const TWO_PI: f32 = 6.28318530717959;
 
+    /// A number in [0, 1) that is uniform again after it has chosen the interval of this length from `start` on.
+    pub fn stretched(u: f32, start: f32, length: f32) -> f32 {
+        clamp((u - start) / length, 0.0, 0.99999994)
+    }
+
     /// Turns a direction given relative to +z into one relative to the unit vector `axis`.
     ///
     /// The two vectors perpendicular to the axis are those of Duff et al., "Building an Orthonormal Basis,

@@ -264,6 +264,10 @@ const PI: f32 = 3.14159265358979;
 const INVERSE_PI: f32 = 0.318309886183791;
 const TWO_PI: f32 = 6.28318530717959;
 
+fn stretched(u: f32, start: f32, length: f32) -> f32 {
+    return clamp(((u - start) / length), 0.0, 0.99999994);
+}
+
 fn around_axis(axis: vec3f, local: vec3f) -> vec3f {
     let sign = select(-1.0, 1.0, (axis.z >= 0.0));
     let a = (-1.0 / (sign + axis.z));
@@ -1911,10 +1915,6 @@ fn transmits(bsdf: Bsdf) -> bool {
     return ((largest(bsdf.diffuse_transmission) > 0.0) || (blurred && (largest(bsdf.glossy_transmission) > 0.0)));
 }
 
-fn left_of(u: vec2f, start: f32, chance: f32) -> vec2f {
-    return vec2f(clamp(((u.x - start) / chance), 0.0, 0.99999994), u.y);
-}
-
 fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec2f) -> BsdfSample {
     let chance = lobe_probabilities(bsdf);
     var sample = BsdfSample(normal, vec3f(0.0, 0.0, 0.0), 0.0, EVENT_ABSORBED);
@@ -1922,7 +1922,8 @@ fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec2f) -> BsdfSample {
     let up_to_diffuse_transmission = (up_to_glossy + chance.z);
     let up_to_glossy_transmission = (up_to_diffuse_transmission + chance.w);
     if (u.x < chance.x) {
-        sample.direction = around_axis(normal, cosine_hemisphere(left_of(u, 0.0, chance.x)));
+        let within = vec2f(stretched(u.x, 0.0, chance.x), u.y);
+        sample.direction = around_axis(normal, cosine_hemisphere(within));
     } else if (u.x < up_to_glossy) {
         let mirrored = reflect(-wo, normal);
         if (bsdf.exponent >= MIRROR_EXPONENT) {
@@ -1931,12 +1932,14 @@ fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec2f) -> BsdfSample {
             sample.event = EVENT_MIRRORED;
             return sample;
         }
-        sample.direction = around_axis(mirrored, power_cosine(left_of(u, chance.x, chance.y), bsdf.exponent));
+        let within = vec2f(stretched(u.x, chance.x, chance.y), u.y);
+        sample.direction = around_axis(mirrored, power_cosine(within, bsdf.exponent));
         if (dot(sample.direction, normal) <= 0.0) {
             return sample;
         }
     } else if (u.x < up_to_diffuse_transmission) {
-        sample.direction = around_axis(-normal, cosine_hemisphere(left_of(u, up_to_glossy, chance.z)));
+        let within = vec2f(stretched(u.x, up_to_glossy, chance.z), u.y);
+        sample.direction = around_axis(-normal, cosine_hemisphere(within));
     } else if (u.x < up_to_glossy_transmission) {
         let onwards = refracted_direction(bsdf.eta, normal, wo);
         if (bsdf.transmission_exponent >= MIRROR_EXPONENT) {
@@ -1945,8 +1948,8 @@ fn sample_bsdf(bsdf: Bsdf, normal: vec3f, wo: vec3f, u: vec2f) -> BsdfSample {
             sample.event = EVENT_MIRRORED;
             return sample;
         }
-        let left = left_of(u, up_to_diffuse_transmission, chance.w);
-        sample.direction = around_axis(onwards, power_cosine(left, bsdf.transmission_exponent));
+        let within = vec2f(stretched(u.x, up_to_diffuse_transmission, chance.w), u.y);
+        sample.direction = around_axis(onwards, power_cosine(within, bsdf.transmission_exponent));
         if (dot(sample.direction, normal) >= 0.0) {
             return sample;
         }
@@ -2324,12 +2327,9 @@ fn sample_uniform_sky(normal: vec3f, both_sides: bool, u: vec2f) -> SkyDirection
     var side = 1.0;
     var first = u.x;
     if both_sides {
-        if (first < 0.5) {
-            first *= 2.0;
-        } else {
-            first = min(((first * 2.0) - 1.0), 0.99999994);
-            side = -1.0;
-        }
+        let behind = (first >= 0.5);
+        first = stretched(first, select(0.0, 0.5, behind), 0.5);
+        side = select(1.0, -1.0, behind);
     }
     let direction = around_axis((normal * side), cosine_hemisphere(vec2f(first, u.y)));
     return SkyDirection(direction, uniform_sky_pdf(normal, direction, both_sides));
