@@ -56,20 +56,8 @@ fn own_words(index: __m256i) -> __m256i {
 /// The words at the places of all lanes of the mask; zero in the others.
 #[inline(always)]
 pub fn words(table: Table<'_>, mask: Mask, places: U32) -> U32 {
-    // Most rays of a picture look at the same records: then one load does.
-    let first = first_of(mask, places);
-    if mask.both(places.is_unequal(first.widen())).none() {
-        return table.word(first).widen();
-    }
-    let length = u32::try_from(table.slice.len()).unwrap_or(u32::MAX).min(1 << 31);
-    // Every lane that is read lies inside of the table, and its place is below 2^31.
-    let inside = mask.both(places.is_less(length.widen()));
-    vector!(U32(_mm256_mask_i32gather_epi32::<4>(
-        _mm256_setzero_si256(),
-        table.slice.as_ptr().cast(),
-        places.0,
-        inside.0
-    )))
+    let [word] = block::<1>(table, mask, places);
+    word
 }
 
 /// So many words from the places of all lanes of the mask on; zeros in the others, and where not all of them lie inside.
@@ -78,7 +66,10 @@ pub fn words(table: Table<'_>, mask: Mask, places: U32) -> U32 {
 #[inline(always)]
 pub fn block<const N: usize>(table: Table<'_>, mask: Mask, places: U32) -> [U32; N] {
     let mut words = [U32::zero(); N];
-    let first = first_of(mask, places);
+    // Most rays of a picture look at the same records: then one load does.
+    let lane = (mask.bits() | 1 << (LANES - 1)).trailing_zeros();
+    let number = vector!(_mm256_set1_epi32(lane.cast_signed()));
+    let first = vector!(_mm256_cvtsi256_si32(_mm256_permutevar8x32_epi32(places.0, number))).cast_unsigned();
     if mask.both(places.is_unequal(first.widen())).none() {
         let one = table.block::<N>(first);
         for i in 0..N {
@@ -136,12 +127,4 @@ fn four_words(start: *const u32, places: &[u32; 8]) -> [__m256i; 4] {
             _mm256_unpackhi_epi64(high01, high23),
         ]
     })
-}
-
-/// The place of the first lane of the mask.
-#[inline(always)]
-fn first_of(mask: Mask, places: U32) -> u32 {
-    let lane = (mask.bits() | 1 << (LANES - 1)).trailing_zeros();
-    let number = vector!(_mm256_set1_epi32(lane.cast_signed()));
-    vector!(_mm256_cvtsi256_si32(_mm256_permutevar8x32_epi32(places.0, number))).cast_unsigned()
 }

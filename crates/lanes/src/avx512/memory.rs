@@ -57,24 +57,8 @@ fn own_words(index: __m512i) -> __m512i {
 /// The words at the places of all lanes of the mask; zero in the others.
 #[inline(always)]
 pub fn words(table: Table<'_>, mask: Mask, places: U32) -> U32 {
-    let mask = mask.0;
-    // Most rays of a picture look at the same records: then one load does.
-    let first = vector!(_mm512_cvtsi512_si32(_mm512_maskz_compress_epi32(mask, places.0))).cast_unsigned();
-    let same = vector!(_mm512_mask_cmpneq_epu32_mask(mask, places.0, _mm512_set1_epi32(first.cast_signed())));
-    if same == 0 {
-        return table.word(first).widen();
-    }
-    let length = u32::try_from(table.slice.len()).unwrap_or(u32::MAX).min(1 << 31);
-    vector!({
-        let inside = _mm512_mask_cmplt_epu32_mask(mask, places.0, _mm512_set1_epi32(length.cast_signed()));
-        // Every lane that is read lies inside of the table, and its place is below 2^31.
-        U32(_mm512_mask_i32gather_epi32::<4>(
-            _mm512_setzero_si512(),
-            inside,
-            places.0,
-            table.slice.as_ptr().cast(),
-        ))
-    })
+    let [word] = block::<1>(table, mask, places);
+    word
 }
 
 /// So many words from the places of all lanes of the mask on; zeros in the others, and where not all of them lie inside.
@@ -83,6 +67,7 @@ pub fn words(table: Table<'_>, mask: Mask, places: U32) -> U32 {
 #[inline(always)]
 pub fn block<const N: usize>(table: Table<'_>, mask: Mask, places: U32) -> [U32; N] {
     let mut words = [U32::zero(); N];
+    // Most rays of a picture look at the same records: then one load does.
     let mask = mask.0;
     let first = vector!(_mm512_cvtsi512_si32(_mm512_maskz_compress_epi32(mask, places.0))).cast_unsigned();
     let same = vector!(_mm512_mask_cmpneq_epu32_mask(mask, places.0, _mm512_set1_epi32(first.cast_signed())));
