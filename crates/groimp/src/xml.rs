@@ -1,8 +1,8 @@
 //! The XML that GroIMP writes, as a stream of start and end tags with line numbers.
 
 use crate::ReadError;
-use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
 use std::borrow::Cow;
 
 /// A tag.
@@ -92,7 +92,9 @@ impl<'a> Xml<'a> {
         for attribute in iterator.with_checks(false) {
             let attribute = attribute.map_err(|error| self.error(line, error.to_string()))?;
             let key = std::str::from_utf8(attribute.key.into_inner()).unwrap_or_default();
-            let value = attribute.unescape_value().map_err(|error| self.error(line, error.to_string()))?;
+            let value = attribute
+                .normalized_value(XmlVersion::Implicit1_0)
+                .map_err(|error| self.error(line, error.to_string()))?;
             attributes.push((key, value));
         }
         Ok(Element { name, line, attributes })
@@ -140,6 +142,14 @@ mod tests {
         assert!(matches!(xml.next().unwrap(), Tag::End));
         assert!(matches!(xml.next().unwrap(), Tag::End));
         assert!(matches!(xml.next().unwrap(), Tag::Eof));
+    }
+
+    #[test]
+    fn line_breaks_in_attributes_are_spaces_unless_escaped() {
+        // As for Java's readers, and so for GroIMP: section 3.3.3 of XML 1.0.
+        let mut xml = Xml::new("f", b"<a x='1\n2\t3&#10;4'/>").unwrap();
+        let Tag::Start(a) = xml.next().unwrap() else { panic!("start of a expected") };
+        assert_eq!(a.attribute("x"), Some("1 2 3\n4"));
     }
 
     #[test]
