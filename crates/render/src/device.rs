@@ -281,7 +281,10 @@ pub enum DeviceError {
         found: String,
     },
     /// The graphics card refused to work.
-    #[error("the GPU {device} failed while {doing}: {reason}. `--device cpu` renders without it")]
+    #[error(
+        "the GPU {device} failed while {doing}: {}. `--device cpu` renders without it",
+        .reason.trim_end_matches('.')
+    )]
     Gpu {
         /// Which one.
         device: String,
