@@ -235,7 +235,8 @@ fn a_mirror_shows_a_patch_where_geometry_puts_it() {
         let film = render(&b.scene, &traced(20, 20, depth));
         assert_eq!(film.rays(), 2 * film.samples(), "one ray to the mirror, one to the patch or beyond");
         for (channel, factor) in [1.0, 2.0, 4.0].into_iter().enumerate() {
-            let compared = assert_picture(&film, 1.0, channel, 1e-5, |x, y| Some(factor * expected(x, y)));
+            // Edges of pixels are edges of the patch: one of 256 samples may be rounded to the other side.
+            let compared = assert_picture(&film, 1.0, channel, 0.005, |x, y| Some(factor * expected(x, y)));
             assert_eq!(compared, 400);
         }
     }
