@@ -63,21 +63,34 @@ pub mod kernel {
         vec2f(b * sin(angle), b * cos(angle))
     }
 
+    /// Where a path starts.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct CameraSample {
+        pub ray: Ray,
+        /// Two numbers in [0, 1) that are well distributed together with the place in the pixel: for the light at the
+        /// first surface, because shadows in a pixel depend on both.
+        pub light_numbers: Vec2f,
+    }
+
     /// The ray of a sample: through a point around the middle of its pixel, drawn with the reconstruction filter
     /// as density, and a point of the lens. `x` and `y` are the pixel's, from the top left of the whole picture.
-    pub fn sampled_camera_ray(
+    pub fn sample_camera(
         header: SceneHeader,
         settings: LaunchSettings,
         key: SampleKey,
         x: u32,
         y: u32,
-    ) -> Ray {
+    ) -> CameraSample {
         let numbers = camera_numbers(key, settings.grid);
         let position = filter_position(settings.reconstruction, vec2f(numbers.x, numbers.y));
         let mut lens = vec2f(0.0, 0.0);
         if header.lens_radius > 0.0 {
-            lens = concentric_disc(vec2f(numbers.z, numbers.w));
+            let u = random4(key, DIMENSION_LENS);
+            lens = concentric_disc(vec2f(u.x, u.y));
         }
-        lens_ray(header, settings, f32(x) + position.x, f32(y) + position.y, lens)
+        CameraSample {
+            ray: lens_ray(header, settings, f32(x) + position.x, f32(y) + position.y, lens),
+            light_numbers: vec2f(numbers.z, numbers.w),
+        }
     }
 }

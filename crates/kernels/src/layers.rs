@@ -80,7 +80,7 @@ pub mod kernel {
         #[wgsl_allow(non_literal_loop_bounds)]
         for i in 0..settings.samples {
             let key = sample_key(settings, x, y, settings.first_sample + i);
-            let ray = sampled_camera_ray(header, settings, key, x, y);
+            let ray = sample_camera(header, settings, key, x, y).ray;
             layers = add_first_hit::<S>(scene, key, ray, layers);
         }
         layers

@@ -9,6 +9,7 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod kernel {
     use crate::bsdf::kernel::*;
+    use crate::camera::kernel::*;
     use crate::light::kernel::*;
     use crate::light_tree::kernel::*;
     use crate::medium::kernel::*;
@@ -163,6 +164,9 @@ pub mod kernel {
         pub follows: bool,
         /// Number of the next ray.
         pub segment: u32,
+        /// Numbers in [0, 1) for the light where the next ray ends, well distributed together with its direction: what
+        /// of a light is hidden depends on both.
+        pub light_numbers: Vec2f,
         pub media: Media,
         pub previous: PathVertex,
         /// What happened at the end of the last ray; `EVENT_SCATTERED` and so on.
@@ -185,8 +189,9 @@ pub mod kernel {
     /// The path starts at the camera.
     pub const EVENT_STARTED: u32 = 6;
 
-    /// A path that starts with the given ray.
-    pub fn start_path(first: Ray) -> PathState {
+    /// A path that starts at the camera.
+    pub fn start_path(start: CameraSample) -> PathState {
+        let first = start.ray;
         PathState {
             radiance: vec3f(0.0, 0.0, 0.0),
             rays: 0,
@@ -195,6 +200,7 @@ pub mod kernel {
             ray: first,
             follows: true,
             segment: 0,
+            light_numbers: start.light_numbers,
             media: empty_space(),
             previous: PathVertex {
                 position: first.origin,
@@ -326,11 +332,9 @@ pub mod kernel {
         }
 
         // Light that arrives directly and is scattered here.
-        let dimension = DIMENSION_FIRST_SURFACE + path.segment;
-        let u = random4(key, dimension);
         let importance = total_importance::<S>(scene, point.position);
         if importance > 0.0 {
-            let direct = direct_light::<S>(scene, point, bsdf, normal, wo, importance, vec2f(u.x, u.y));
+            let direct = direct_light::<S>(scene, point, bsdf, normal, wo, importance, path.light_numbers);
             let arriving = path.throughput * direct.radiance;
             if direct.end > 0.0 {
                 path.shadow = direct.ray;
@@ -344,7 +348,10 @@ pub mod kernel {
         }
 
         // Where the path goes on.
-        let sample = sample_bsdf(bsdf, normal, wo, vec2f(u.z, u.w));
+        let dimension = DIMENSION_FIRST_SURFACE + path.segment;
+        let u = random4(key, dimension);
+        path.light_numbers = vec2f(u.z, u.w);
+        let sample = sample_bsdf(bsdf, normal, wo, vec2f(u.x, u.y));
         path.event = sample.event;
         if sample.event == EVENT_ABSORBED || !same_side(point, normal, wo, sample.direction) {
             path.event = EVENT_ABSORBED;

@@ -21,18 +21,18 @@ pub mod kernel {
         pub rays: u32,
     }
 
-    /// A sample of the renderer of the settings along a given first ray.
+    /// A sample of the renderer of the settings that starts at the camera.
     pub fn trace_sample<S: SceneAccess + Copy>(
         scene: S,
         settings: LaunchSettings,
         key: SampleKey,
-        first: Ray,
+        start: CameraSample,
     ) -> PathSample {
         if settings.renderer == RENDERER_RAY_TRACER {
-            let traced = trace_rays::<S>(scene, settings, key, first);
+            let traced = trace_rays::<S>(scene, settings, key, start.ray);
             return PathSample { radiance: traced.radiance, rays: traced.rays };
         }
-        let mut path = start_path(first);
+        let mut path = start_path(start);
         while path.goes_on {
             path = extend_path::<S>(scene, key, settings.depth, settings.background, path);
         }
@@ -64,12 +64,13 @@ pub mod kernel {
         let mut film = before;
         let mut started: u32 = 0;
         let mut key = sample_key(settings, x, y, settings.first_sample);
-        let mut path = start_path(Ray { origin: vec3f(0.0, 0.0, 0.0), direction: vec3f(0.0, 0.0, 1.0) });
+        let nowhere = Ray { origin: vec3f(0.0, 0.0, 0.0), direction: vec3f(0.0, 0.0, 1.0) };
+        let mut path = start_path(CameraSample { ray: nowhere, light_numbers: vec2f(0.0, 0.0) });
         path.goes_on = false;
         while started < count || path.goes_on {
             if !path.goes_on {
                 key = key_of_sample(settings, x, y, key, settings.first_sample + started);
-                path = start_path(sampled_camera_ray(header, settings, key, x, y));
+                path = start_path(sample_camera(header, settings, key, x, y));
                 started += 1;
             }
             path = extend_path::<S>(scene, key, settings.depth, settings.background, path);
@@ -94,7 +95,7 @@ pub mod kernel {
         #[wgsl_allow(non_literal_loop_bounds)]
         for i in 0..count {
             let key = sample_key(settings, x, y, settings.first_sample + i);
-            let ray = sampled_camera_ray(header, settings, key, x, y);
+            let ray = sample_camera(header, settings, key, x, y).ray;
             let traced = trace_rays::<S>(scene, settings, key, ray);
             film = add_sample(film, traced.radiance, traced.rays);
         }

@@ -28,15 +28,19 @@ pub mod kernel {
         pub seed: u32,
         /// Sobol: the bits that indices of the block of pixels have. 0 selects independent numbers.
         pub index_mask: u32,
-        /// Sobol: place of the sample in the sequence of its block of pixels.
+        /// Sobol: place of the pixel's first sample in the sequence of its block of pixels.
+        pub start: u32,
+        /// Sobol: place of the sample there, shuffled, so that pixels do not have the same points in the same order.
         pub index: u32,
         /// Sobol: tells blocks of pixels, and repetitions of their sequence, apart.
         pub scramble: u32,
     }
 
-    /// Dimension of the position within the pixel and on the lens.
+    /// Dimension of the position within the pixel, and of the light at the first surface.
     pub const DIMENSION_PIXEL: u32 = 0;
-    /// Dimension of the first surface of a path; the next ones follow.
+    /// Dimension of the position on the lens.
+    pub const DIMENSION_LENS: u32 = 536870912;
+    /// Dimension of the direction from the first surface of a path on, and of the light at the next; the others follow.
     pub const DIMENSION_FIRST_SURFACE: u32 = 1;
     /// Added to the object index to decide whether a ray passes a partly transparent object.
     pub const DIMENSION_OPACITY: u32 = 2147483648;
@@ -69,7 +73,7 @@ pub mod kernel {
 
     /// The key of independent numbers.
     pub fn independent_key(pixel: u32, sample: u32, seed: u32) -> SampleKey {
-        SampleKey { pixel, sample, seed, index_mask: 0, index: 0, scramble: 0 }
+        SampleKey { pixel, sample, seed, index_mask: 0, start: 0, index: 0, scramble: 0 }
     }
 
     /// The key of a sample of a picture; `x` and `y` count pixels of the whole picture from the top left.
@@ -84,10 +88,17 @@ pub mod kernel {
             let edge_mask = (1u32 << BLOCK_LEVELS) - 1u32;
             let place = z_order(x & edge_mask, y & edge_mask, block.x);
             key.index_mask = (1u32 << (bits + 2u32 * BLOCK_LEVELS)) - 1u32;
-            key.index = (place << bits) | (sample & ((1u32 << bits) - 1u32));
+            key.start = place << bits;
             key.scramble = block.y;
+            key.index = shuffled_index(key, bits, sample);
         }
         key
+    }
+
+    /// The place of a sample of the key's pixel in the sequence of its block, shuffled.
+    pub fn shuffled_index(key: SampleKey, bits: u32, sample: u32) -> u32 {
+        let place = key.start | (sample & ((1u32 << bits) - 1u32));
+        nested_uniform_scramble(place, key.scramble) & key.index_mask
     }
 
     /// The key of another sample of the same pixel; what the samples of a sequence share is not computed again.
@@ -105,8 +116,7 @@ pub mod kernel {
         let mut key = other;
         key.sample = sample;
         if settings.sampler == SAMPLER_SOBOL {
-            let within = (1u32 << bits) - 1u32;
-            key.index = (other.index & (4294967295u32 ^ within)) | (sample & within);
+            key.index = shuffled_index(key, bits, sample);
         }
         key
     }
@@ -117,22 +127,27 @@ pub mod kernel {
     }
 
     /// Four numbers, uniform in [0, 1) and well distributed together over the samples of a pixel, or independent:
-    /// best the first two, and the last two. Those of different dimensions are independent.
+    /// best the first two, and the last two. The numbers of `GROUPS` successive dimensions from a multiple of that on
+    /// are well distributed together, too; others are independent.
     pub fn random4(key: SampleKey, dimension: u32) -> Vec4f {
         let sobol = key.index_mask != 0u32;
         let first = select(key.pixel, key.scramble, sobol);
         let second = select(key.sample, 3141592653u32, sobol);
         let mut bits = pcg4d(vec4u(first, second, dimension, key.seed));
         if sobol {
-            // The order of the samples must not be the same in all dimensions.
-            let order = mix_bits(bits.x ^ (bits.w * 2654435769u32));
-            let index = nested_uniform_scramble(key.index, order) & key.index_mask;
-            bits = scrambled_sobol4(index, bits);
+            let mut index = key.index;
+            let ensemble = dimension / GROUPS;
+            if ensemble != 0u32 {
+                // The order of the samples must not be the same in all ensembles of groups.
+                let order = mix_bits(key.scramble ^ (ensemble * 2654435769u32));
+                index = nested_uniform_scramble(index, order) & key.index_mask;
+            }
+            bits = scrambled_sobol4(index_of_group(index, dimension % GROUPS), bits);
         }
         vec4f(unit_float(bits.x), unit_float(bits.y), unit_float(bits.z), unit_float(bits.w))
     }
 
-    /// Position of a sample within its pixel in `xy`, that on the lens in `zw`, in [0, 1)⁴.
+    /// Position of a sample within its pixel in `xy`, and in `zw` numbers for the light that is seen there, in [0, 1)⁴.
     ///
     /// Independent numbers: the pixel is divided into `grid` x `grid` cells that are visited in turn; each pixel
     /// starts at a random cell, so that a sample count that is no multiple of the number of cells stays unbiased.

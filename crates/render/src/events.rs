@@ -3,7 +3,7 @@
 use crate::cpu::Slices;
 use crate::{CompiledScene, RenderSettings};
 use kernels::bsdf::kernel::{EVENT_ABSORBED, EVENT_MIRRORED, EVENT_PASSED, EVENT_SCATTERED};
-use kernels::camera::kernel::sampled_camera_ray;
+use kernels::camera::kernel::sample_camera;
 use kernels::hit::kernel::hit_surface;
 use kernels::mesh::kernel::facing_normal;
 use kernels::path::kernel::{EVENT_ESCAPED, EVENT_STOPPED, PathState, extend_path, start_path};
@@ -43,7 +43,7 @@ fn path_events(
     let slices = Slices::of(scene);
     let launch = settings.launch();
     let key = sample_key(launch, x, y, sample);
-    let first = sampled_camera_ray(scene.header, launch, key, x, y);
+    let first = sample_camera(scene.header, launch, key, x, y);
     writeln!(text, "pixel {x},{y} sample {sample}")?;
     let mut path = start_path(first);
     while path.goes_on {

@@ -2,8 +2,9 @@
 
 use crate::cpu::{Cpu, Slices};
 use crate::{CompiledScene, RenderSettings};
+use kernels::camera::kernel::CameraSample;
 use kernels::pixel::kernel::trace_sample;
-use kernels::random::kernel::sample_key;
+use kernels::random::kernel::{DIMENSION_PIXEL, random4, sample_key};
 use kernels::records::kernel::LaunchSettings;
 use kernels::shape::kernel::Ray;
 use rayon::prelude::*;
@@ -47,7 +48,9 @@ impl Cpu {
             let mut sum = [0.0; 3];
             for sample in 0..settings.samples {
                 let key = sample_key(launch, number % WIDTH, number / WIDTH, sample);
-                let radiance = trace_sample(slices, launch, key, first).radiance.to_array();
+                let u = random4(key, DIMENSION_PIXEL);
+                let start = CameraSample { ray: first, light_numbers: wgsl_rs::std::vec2f(u.z, u.w) };
+                let radiance = trace_sample(slices, launch, key, start).radiance.to_array();
                 for (sum, value) in sum.iter_mut().zip(radiance) {
                     *sum += f64::from(value);
                 }

@@ -721,12 +721,40 @@ fn pascal(index: u32) -> u32 {
     return (y ^ (y >> 16u));
 }
 
-fn sobol4(index: u32) -> vec4u {
+fn times_w(digits: u32) -> u32 {
+    return ((((digits >> 1u) & 1431655765u) ^ ((digits << 1u) & 2863311530u)) ^ (digits & 2863311530u));
+}
+
+fn pascal_of_four(index: u32) -> u32 {
     var z = index;
-    z = (z ^ ((z >> 4u) & 111726858u));
-    z = (z ^ ((z >> 6u) & 39179627u));
-    z = (z ^ ((z >> 3u) & 228095095u));
-    return vec4u(index, pascal(index), z, pascal(z));
+    z = (z ^ times_w(((z >> 2u) & 858993459u)));
+    let second = ((z >> 4u) & 252645135u);
+    z = ((z ^ second) ^ times_w(second));
+    z = (z ^ times_w(((z >> 8u) & 16711935u)));
+    let fourth = (z >> 16u);
+    return ((z ^ fourth) ^ times_w(fourth));
+}
+
+fn sobol4(index: u32) -> vec4u {
+    let second = pascal_of_four(index);
+    return vec4u(index, pascal(index), second, pascal(second));
+}
+const GROUPS: u32 = 4u;
+
+fn index_of_group(index: u32, group: u32) -> u32 {
+    let odd = ((group & 1u) != 0u);
+    let upper = ((group & 2u) != 0u);
+    let first = select(select(0u, 4241183679u, odd), select(2996896550u, 1302306305u, odd), upper);
+    let second = select(select(0u, 218215217u, odd), select(2491290171u, 3829150337u, odd), upper);
+    let third = select(select(0u, 3555275105u, odd), select(4093891526u, 1183952838u, odd), upper);
+    return reordered(index, vec3u(first, second, third));
+}
+
+fn reordered(index: u32, masks: vec3u) -> u32 {
+    var z = index;
+    z = (z ^ ((z >> 4u) & masks.x));
+    z = (z ^ ((z >> 2u) & masks.y));
+    return (z ^ ((z >> 1u) & masks.z));
 }
 
 fn scrambled_sobol4(index: u32, seeds: vec4u) -> vec4u {
@@ -757,10 +785,12 @@ struct SampleKey {
     sample: u32,
     seed: u32,
     index_mask: u32,
+    start: u32,
     index: u32,
     scramble: u32
 }
 const DIMENSION_PIXEL: u32 = 0u;
+const DIMENSION_LENS: u32 = 536870912u;
 const DIMENSION_FIRST_SURFACE: u32 = 1u;
 const DIMENSION_OPACITY: u32 = 2147483648u;
 
@@ -789,7 +819,7 @@ fn unit_float(bits: u32) -> f32 {
 }
 
 fn independent_key(pixel: u32, sample: u32, seed: u32) -> SampleKey {
-    return SampleKey(pixel, sample, seed, 0u, 0u, 0u);
+    return SampleKey(pixel, sample, seed, 0u, 0u, 0u, 0u);
 }
 
 fn sample_key(settings: LaunchSettings, x: u32, y: u32, sample: u32) -> SampleKey {
@@ -801,10 +831,16 @@ fn sample_key(settings: LaunchSettings, x: u32, y: u32, sample: u32) -> SampleKe
         let edge_mask = ((1u << BLOCK_LEVELS) - 1u);
         let place = z_order((x & edge_mask), (y & edge_mask), block.x);
         key.index_mask = ((1u << (bits + (2u * BLOCK_LEVELS))) - 1u);
-        key.index = ((place << bits) | (sample & ((1u << bits) - 1u)));
+        key.start = (place << bits);
         key.scramble = block.y;
+        key.index = shuffled_index(key, bits, sample);
     }
     return key;
+}
+
+fn shuffled_index(key: SampleKey, bits: u32, sample: u32) -> u32 {
+    let place = (key.start | (sample & ((1u << bits) - 1u)));
+    return (nested_uniform_scramble(place, key.scramble) & key.index_mask);
 }
 
 fn key_of_sample(
@@ -821,8 +857,7 @@ fn key_of_sample(
     var key = other;
     key.sample = sample;
     if (settings.sampler == SAMPLER_SOBOL) {
-        let within = ((1u << bits) - 1u);
-        key.index = ((other.index & (4294967295u ^ within)) | (sample & within));
+        key.index = shuffled_index(key, bits, sample);
     }
     return key;
 }
@@ -837,9 +872,13 @@ fn random4(key: SampleKey, dimension: u32) -> vec4f {
     let second = select(key.sample, 3141592653u, sobol);
     var bits = pcg4d(vec4u(first, second, dimension, key.seed));
     if sobol {
-        let order = mix_bits((bits.x ^ (bits.w * 2654435769u)));
-        let index = (nested_uniform_scramble(key.index, order) & key.index_mask);
-        bits = scrambled_sobol4(index, bits);
+        var index = key.index;
+        let ensemble = (dimension / GROUPS);
+        if (ensemble != 0u) {
+            let order = mix_bits((key.scramble ^ (ensemble * 2654435769u)));
+            index = (nested_uniform_scramble(index, order) & key.index_mask);
+        }
+        bits = scrambled_sobol4(index_of_group(index, (dimension % GROUPS)), bits);
     }
     return vec4f(unit_float(bits.x), unit_float(bits.y), unit_float(bits.z), unit_float(bits.w));
 }
@@ -2893,6 +2932,152 @@ fn total_importance_Buffers(scene: Buffers, point: vec3f) -> f32 {
     return sum_of_importances_Buffers(scene, 0u, Buffers_header(scene).lights, point);
 }
 
+const FILTER_BOX: u32 = 0u;
+const FILTER_TENT: u32 = 1u;
+const FILTER_GAUSSIAN: u32 = 2u;
+const FILTER_BLACKMAN_HARRIS: u32 = 3u;
+const GAUSSIAN_SIGMA: f32 = 0.5;
+const GAUSSIAN_SHARE: f32 = 0.9973002;
+const BLACKMAN_HARRIS_RADIUS: f32 = 1.5;
+
+fn inverse_erf(y: f32) -> f32 {
+    let w = -log(((1.0 - y) * (1.0 + y)));
+    if (w < 5.0) {
+        let t = (w - 2.5);
+        var p: f32 = 0.0000000281022636;
+        p = (0.000000343273939 + (p * t));
+        p = (-0.0000035233877 + (p * t));
+        p = (-0.00000439150654 + (p * t));
+        p = (0.00021858087 + (p * t));
+        p = (-0.00125372503 + (p * t));
+        p = (-0.00417768164 + (p * t));
+        p = (0.246640727 + (p * t));
+        return ((1.50140941 + (p * t)) * y);
+    }
+    let t = (sqrt(w) - 3.0);
+    var p: f32 = -0.000200214257;
+    p = (0.000100950558 + (p * t));
+    p = (0.00134934322 + (p * t));
+    p = (-0.00367342844 + (p * t));
+    p = (0.00573950773 + (p * t));
+    p = (-0.0076224613 + (p * t));
+    p = (0.00943887047 + (p * t));
+    p = (1.00167406 + (p * t));
+    return ((2.83297682 + (p * t)) * y);
+}
+
+fn blackman_harris_pdf(x: f32) -> f32 {
+    let angle = (3.14159265358979 * x);
+    return (0.5 + ((((0.48829 * cos(angle)) + (0.14128 * cos((2.0 * angle)))) + (0.01168 * cos((3.0 * angle)))) / 0.7175));
+}
+
+fn blackman_harris_cdf(x: f32) -> f32 {
+    let angle = (3.14159265358979 * x);
+    let waves = (((0.48829 * sin(angle)) + (0.07064 * sin((2.0 * angle)))) + (0.00389333 * sin((3.0 * angle))));
+    return ((0.5 + (0.5 * x)) + (waves / (3.14159265358979 * 0.7175)));
+}
+
+fn inverse_blackman_harris(u: f32) -> f32 {
+    var low: f32 = -1.0;
+    var high: f32 = 1.0;
+    var x = clamp((0.3917 * inverse_erf((((2.0 * u) - 1.0) * 0.9999))), -0.95, 0.95);
+    for (var _step = 0; _step < 8; _step++) {
+        let error = (blackman_harris_cdf(x) - u);
+        if (error > 0.0) {
+            high = x;
+        } else {
+            low = x;
+        }
+        let next = (x - (error / max(blackman_harris_pdf(x), 0.0001)));
+        x = select((0.5 * (low + high)), next, ((next >= low) && (next <= high)));
+    }
+    return x;
+}
+
+fn filter_offset(kind: u32, u: f32) -> f32 {
+    if (kind == FILTER_TENT) {
+        if (u < 0.5) {
+            return (sqrt((2.0 * u)) - 1.0);
+        }
+        return (1.0 - sqrt((2.0 - (2.0 * u))));
+    }
+    if (kind == FILTER_GAUSSIAN) {
+        return ((1.41421356 * GAUSSIAN_SIGMA) * inverse_erf((((2.0 * u) - 1.0) * GAUSSIAN_SHARE)));
+    }
+    if (kind == FILTER_BLACKMAN_HARRIS) {
+        return (BLACKMAN_HARRIS_RADIUS * inverse_blackman_harris(u));
+    }
+    return (u - 0.5);
+}
+
+fn filter_position(kind: u32, u: vec2f) -> vec2f {
+    if (kind == FILTER_BOX) {
+        return u;
+    }
+    return vec2f((0.5 + filter_offset(kind, u.x)), (0.5 + filter_offset(kind, u.y)));
+}
+
+fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> Ray {
+    return lens_ray(header, settings, x, y, vec2f(0.0, 0.0));
+}
+
+fn lens_ray(
+    header: SceneHeader,
+    settings: LaunchSettings,
+    x: f32,
+    y: f32,
+    lens: vec2f,
+) -> Ray {
+    let width = f32(settings.width);
+    let image_x = ((((2.0 * x) - width) / width) * header.view_scale_x);
+    let image_y = (((f32(settings.height) - (2.0 * y)) / width) * header.view_scale_y);
+    let shift = (lens * header.lens_radius);
+    let slope = (shift * header.vergence);
+    if (header.camera == CAMERA_PARALLEL) {
+        let start = (shift + (slope * header.start_distance));
+        return Ray(transform_point(header.world_from_view, vec3f((image_x + start.x), (image_y + start.y), header.start_distance)), normalize(transform_vector(header.world_from_view, vec3f(-slope.x, -slope.y, -1.0))));
+    }
+    let direction = vec3f((image_x - slope.x), (image_y - slope.y), -1.0);
+    return Ray(transform_point(header.world_from_view, vec3f(shift.x, shift.y, 0.0)), normalize(transform_vector(header.world_from_view, direction)));
+}
+
+fn concentric_disc(u: vec2f) -> vec2f {
+    let a = ((2.0 * u.x) - 1.0);
+    let b = ((2.0 * u.y) - 1.0);
+    if ((a == 0.0) && (b == 0.0)) {
+        return vec2f(0.0, 0.0);
+    }
+    let quarter_pi: f32 = 0.785398163397448;
+    if (abs(a) > abs(b)) {
+        let angle = (quarter_pi * (b / a));
+        return vec2f((a * cos(angle)), (a * sin(angle)));
+    }
+    let angle = (quarter_pi * (a / b));
+    return vec2f((b * sin(angle)), (b * cos(angle)));
+}
+
+struct CameraSample {
+    ray: Ray,
+    light_numbers: vec2f
+}
+
+fn sample_camera(
+    header: SceneHeader,
+    settings: LaunchSettings,
+    key: SampleKey,
+    x: u32,
+    y: u32,
+) -> CameraSample {
+    let numbers = camera_numbers(key, settings.grid);
+    let position = filter_position(settings.reconstruction, vec2f(numbers.x, numbers.y));
+    var lens = vec2f(0.0, 0.0);
+    if (header.lens_radius > 0.0) {
+        let u = random4(key, DIMENSION_LENS);
+        lens = concentric_disc(vec2f(u.x, u.y));
+    }
+    return CameraSample(lens_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y), lens), vec2f(numbers.z, numbers.w));
+}
+
 struct PathVertex {
     position: vec3f,
     normal: vec3f,
@@ -2926,6 +3111,7 @@ struct PathState {
     ray: Ray,
     follows: bool,
     segment: u32,
+    light_numbers: vec2f,
     media: Media,
     previous: PathVertex,
     event: u32,
@@ -2939,8 +3125,9 @@ const EVENT_ESCAPED: u32 = 4u;
 const EVENT_STOPPED: u32 = 5u;
 const EVENT_STARTED: u32 = 6u;
 
-fn start_path(first: Ray) -> PathState {
-    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, true, 0u, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), first, 0.0, vec3f(0.0, 0.0, 0.0), true);
+fn start_path(start: CameraSample) -> PathState {
+    let first = start.ray;
+    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, true, 0u, start.light_numbers, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), first, 0.0, vec3f(0.0, 0.0, 0.0), true);
 }
 
 fn receive_light(before: PathState, passed: vec3f) -> PathState {
@@ -3112,11 +3299,9 @@ fn meet_surface_Buffers(
         path.segment += 1u;
         return path;
     }
-    let dimension = (DIMENSION_FIRST_SURFACE + path.segment);
-    let u = random4(key, dimension);
     let importance = total_importance_Buffers(scene, point.position);
     if (importance > 0.0) {
-        let direct = direct_light_Buffers(scene, point, bsdf, normal, wo, importance, vec2f(u.x, u.y));
+        let direct = direct_light_Buffers(scene, point, bsdf, normal, wo, importance, path.light_numbers);
         let arriving = (path.throughput * direct.radiance);
         if (direct.end > 0.0) {
             path.shadow = direct.ray;
@@ -3128,7 +3313,10 @@ fn meet_surface_Buffers(
             path.radiance += arriving;
         }
     }
-    let sample = sample_bsdf(bsdf, normal, wo, vec2f(u.z, u.w));
+    let dimension = (DIMENSION_FIRST_SURFACE + path.segment);
+    let u = random4(key, dimension);
+    path.light_numbers = vec2f(u.z, u.w);
+    let sample = sample_bsdf(bsdf, normal, wo, vec2f(u.x, u.y));
     path.event = sample.event;
     if ((sample.event == EVENT_ABSORBED) || !same_side(point, normal, wo, sample.direction)) {
         path.event = EVENT_ABSORBED;
@@ -3162,146 +3350,6 @@ fn meet_surface_Buffers(
     return path;
 }
 
-const FILTER_BOX: u32 = 0u;
-const FILTER_TENT: u32 = 1u;
-const FILTER_GAUSSIAN: u32 = 2u;
-const FILTER_BLACKMAN_HARRIS: u32 = 3u;
-const GAUSSIAN_SIGMA: f32 = 0.5;
-const GAUSSIAN_SHARE: f32 = 0.9973002;
-const BLACKMAN_HARRIS_RADIUS: f32 = 1.5;
-
-fn inverse_erf(y: f32) -> f32 {
-    let w = -log(((1.0 - y) * (1.0 + y)));
-    if (w < 5.0) {
-        let t = (w - 2.5);
-        var p: f32 = 0.0000000281022636;
-        p = (0.000000343273939 + (p * t));
-        p = (-0.0000035233877 + (p * t));
-        p = (-0.00000439150654 + (p * t));
-        p = (0.00021858087 + (p * t));
-        p = (-0.00125372503 + (p * t));
-        p = (-0.00417768164 + (p * t));
-        p = (0.246640727 + (p * t));
-        return ((1.50140941 + (p * t)) * y);
-    }
-    let t = (sqrt(w) - 3.0);
-    var p: f32 = -0.000200214257;
-    p = (0.000100950558 + (p * t));
-    p = (0.00134934322 + (p * t));
-    p = (-0.00367342844 + (p * t));
-    p = (0.00573950773 + (p * t));
-    p = (-0.0076224613 + (p * t));
-    p = (0.00943887047 + (p * t));
-    p = (1.00167406 + (p * t));
-    return ((2.83297682 + (p * t)) * y);
-}
-
-fn blackman_harris_pdf(x: f32) -> f32 {
-    let angle = (3.14159265358979 * x);
-    return (0.5 + ((((0.48829 * cos(angle)) + (0.14128 * cos((2.0 * angle)))) + (0.01168 * cos((3.0 * angle)))) / 0.7175));
-}
-
-fn blackman_harris_cdf(x: f32) -> f32 {
-    let angle = (3.14159265358979 * x);
-    let waves = (((0.48829 * sin(angle)) + (0.07064 * sin((2.0 * angle)))) + (0.00389333 * sin((3.0 * angle))));
-    return ((0.5 + (0.5 * x)) + (waves / (3.14159265358979 * 0.7175)));
-}
-
-fn inverse_blackman_harris(u: f32) -> f32 {
-    var low: f32 = -1.0;
-    var high: f32 = 1.0;
-    var x = clamp((0.3917 * inverse_erf((((2.0 * u) - 1.0) * 0.9999))), -0.95, 0.95);
-    for (var _step = 0; _step < 8; _step++) {
-        let error = (blackman_harris_cdf(x) - u);
-        if (error > 0.0) {
-            high = x;
-        } else {
-            low = x;
-        }
-        let next = (x - (error / max(blackman_harris_pdf(x), 0.0001)));
-        x = select((0.5 * (low + high)), next, ((next >= low) && (next <= high)));
-    }
-    return x;
-}
-
-fn filter_offset(kind: u32, u: f32) -> f32 {
-    if (kind == FILTER_TENT) {
-        if (u < 0.5) {
-            return (sqrt((2.0 * u)) - 1.0);
-        }
-        return (1.0 - sqrt((2.0 - (2.0 * u))));
-    }
-    if (kind == FILTER_GAUSSIAN) {
-        return ((1.41421356 * GAUSSIAN_SIGMA) * inverse_erf((((2.0 * u) - 1.0) * GAUSSIAN_SHARE)));
-    }
-    if (kind == FILTER_BLACKMAN_HARRIS) {
-        return (BLACKMAN_HARRIS_RADIUS * inverse_blackman_harris(u));
-    }
-    return (u - 0.5);
-}
-
-fn filter_position(kind: u32, u: vec2f) -> vec2f {
-    if (kind == FILTER_BOX) {
-        return u;
-    }
-    return vec2f((0.5 + filter_offset(kind, u.x)), (0.5 + filter_offset(kind, u.y)));
-}
-
-fn camera_ray(header: SceneHeader, settings: LaunchSettings, x: f32, y: f32) -> Ray {
-    return lens_ray(header, settings, x, y, vec2f(0.0, 0.0));
-}
-
-fn lens_ray(
-    header: SceneHeader,
-    settings: LaunchSettings,
-    x: f32,
-    y: f32,
-    lens: vec2f,
-) -> Ray {
-    let width = f32(settings.width);
-    let image_x = ((((2.0 * x) - width) / width) * header.view_scale_x);
-    let image_y = (((f32(settings.height) - (2.0 * y)) / width) * header.view_scale_y);
-    let shift = (lens * header.lens_radius);
-    let slope = (shift * header.vergence);
-    if (header.camera == CAMERA_PARALLEL) {
-        let start = (shift + (slope * header.start_distance));
-        return Ray(transform_point(header.world_from_view, vec3f((image_x + start.x), (image_y + start.y), header.start_distance)), normalize(transform_vector(header.world_from_view, vec3f(-slope.x, -slope.y, -1.0))));
-    }
-    let direction = vec3f((image_x - slope.x), (image_y - slope.y), -1.0);
-    return Ray(transform_point(header.world_from_view, vec3f(shift.x, shift.y, 0.0)), normalize(transform_vector(header.world_from_view, direction)));
-}
-
-fn concentric_disc(u: vec2f) -> vec2f {
-    let a = ((2.0 * u.x) - 1.0);
-    let b = ((2.0 * u.y) - 1.0);
-    if ((a == 0.0) && (b == 0.0)) {
-        return vec2f(0.0, 0.0);
-    }
-    let quarter_pi: f32 = 0.785398163397448;
-    if (abs(a) > abs(b)) {
-        let angle = (quarter_pi * (b / a));
-        return vec2f((a * cos(angle)), (a * sin(angle)));
-    }
-    let angle = (quarter_pi * (a / b));
-    return vec2f((b * sin(angle)), (b * cos(angle)));
-}
-
-fn sampled_camera_ray(
-    header: SceneHeader,
-    settings: LaunchSettings,
-    key: SampleKey,
-    x: u32,
-    y: u32,
-) -> Ray {
-    let numbers = camera_numbers(key, settings.grid);
-    let position = filter_position(settings.reconstruction, vec2f(numbers.x, numbers.y));
-    var lens = vec2f(0.0, 0.0);
-    if (header.lens_radius > 0.0) {
-        lens = concentric_disc(vec2f(numbers.z, numbers.w));
-    }
-    return lens_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y), lens);
-}
-
 struct PathSample {
     radiance: vec3f,
     rays: u32
@@ -3327,12 +3375,13 @@ fn add_samples_Buffers(
     var film = before;
     var started: u32 = 0u;
     var key = sample_key(settings, x, y, settings.first_sample);
-    var path = start_path(Ray(vec3f(0.0, 0.0, 0.0), vec3f(0.0, 0.0, 1.0)));
+    let nowhere = Ray(vec3f(0.0, 0.0, 0.0), vec3f(0.0, 0.0, 1.0));
+    var path = start_path(CameraSample(nowhere, vec2f(0.0, 0.0)));
     path.goes_on = false;
     while ((started < count) || path.goes_on) {
         if !path.goes_on {
             key = key_of_sample(settings, x, y, key, (settings.first_sample + started));
-            path = start_path(sampled_camera_ray(header, settings, key, x, y));
+            path = start_path(sample_camera(header, settings, key, x, y));
             started += 1u;
         }
         path = extend_path_Buffers(scene, key, settings.depth, settings.background, path);
@@ -3413,7 +3462,7 @@ fn layers_of_pixel_Buffers(
     var layers = before;
     for (var i = 0u; i < settings.samples; i++) {
         let key = sample_key(settings, x, y, (settings.first_sample + i));
-        let ray = sampled_camera_ray(header, settings, key, x, y);
+        let ray = sample_camera(header, settings, key, x, y).ray;
         layers = add_first_hit_Buffers(scene, key, ray, layers);
     }
     return layers;

@@ -721,12 +721,40 @@ fn pascal(index: u32) -> u32 {
     return (y ^ (y >> 16u));
 }
 
-fn sobol4(index: u32) -> vec4u {
+fn times_w(digits: u32) -> u32 {
+    return ((((digits >> 1u) & 1431655765u) ^ ((digits << 1u) & 2863311530u)) ^ (digits & 2863311530u));
+}
+
+fn pascal_of_four(index: u32) -> u32 {
     var z = index;
-    z = (z ^ ((z >> 4u) & 111726858u));
-    z = (z ^ ((z >> 6u) & 39179627u));
-    z = (z ^ ((z >> 3u) & 228095095u));
-    return vec4u(index, pascal(index), z, pascal(z));
+    z = (z ^ times_w(((z >> 2u) & 858993459u)));
+    let second = ((z >> 4u) & 252645135u);
+    z = ((z ^ second) ^ times_w(second));
+    z = (z ^ times_w(((z >> 8u) & 16711935u)));
+    let fourth = (z >> 16u);
+    return ((z ^ fourth) ^ times_w(fourth));
+}
+
+fn sobol4(index: u32) -> vec4u {
+    let second = pascal_of_four(index);
+    return vec4u(index, pascal(index), second, pascal(second));
+}
+const GROUPS: u32 = 4u;
+
+fn index_of_group(index: u32, group: u32) -> u32 {
+    let odd = ((group & 1u) != 0u);
+    let upper = ((group & 2u) != 0u);
+    let first = select(select(0u, 4241183679u, odd), select(2996896550u, 1302306305u, odd), upper);
+    let second = select(select(0u, 218215217u, odd), select(2491290171u, 3829150337u, odd), upper);
+    let third = select(select(0u, 3555275105u, odd), select(4093891526u, 1183952838u, odd), upper);
+    return reordered(index, vec3u(first, second, third));
+}
+
+fn reordered(index: u32, masks: vec3u) -> u32 {
+    var z = index;
+    z = (z ^ ((z >> 4u) & masks.x));
+    z = (z ^ ((z >> 2u) & masks.y));
+    return (z ^ ((z >> 1u) & masks.z));
 }
 
 fn scrambled_sobol4(index: u32, seeds: vec4u) -> vec4u {
@@ -757,10 +785,12 @@ struct SampleKey {
     sample: u32,
     seed: u32,
     index_mask: u32,
+    start: u32,
     index: u32,
     scramble: u32
 }
 const DIMENSION_PIXEL: u32 = 0u;
+const DIMENSION_LENS: u32 = 536870912u;
 const DIMENSION_FIRST_SURFACE: u32 = 1u;
 const DIMENSION_OPACITY: u32 = 2147483648u;
 
@@ -789,7 +819,7 @@ fn unit_float(bits: u32) -> f32 {
 }
 
 fn independent_key(pixel: u32, sample: u32, seed: u32) -> SampleKey {
-    return SampleKey(pixel, sample, seed, 0u, 0u, 0u);
+    return SampleKey(pixel, sample, seed, 0u, 0u, 0u, 0u);
 }
 
 fn sample_key(settings: LaunchSettings, x: u32, y: u32, sample: u32) -> SampleKey {
@@ -801,10 +831,16 @@ fn sample_key(settings: LaunchSettings, x: u32, y: u32, sample: u32) -> SampleKe
         let edge_mask = ((1u << BLOCK_LEVELS) - 1u);
         let place = z_order((x & edge_mask), (y & edge_mask), block.x);
         key.index_mask = ((1u << (bits + (2u * BLOCK_LEVELS))) - 1u);
-        key.index = ((place << bits) | (sample & ((1u << bits) - 1u)));
+        key.start = (place << bits);
         key.scramble = block.y;
+        key.index = shuffled_index(key, bits, sample);
     }
     return key;
+}
+
+fn shuffled_index(key: SampleKey, bits: u32, sample: u32) -> u32 {
+    let place = (key.start | (sample & ((1u << bits) - 1u)));
+    return (nested_uniform_scramble(place, key.scramble) & key.index_mask);
 }
 
 fn key_of_sample(
@@ -821,8 +857,7 @@ fn key_of_sample(
     var key = other;
     key.sample = sample;
     if (settings.sampler == SAMPLER_SOBOL) {
-        let within = ((1u << bits) - 1u);
-        key.index = ((other.index & (4294967295u ^ within)) | (sample & within));
+        key.index = shuffled_index(key, bits, sample);
     }
     return key;
 }
@@ -837,9 +872,13 @@ fn random4(key: SampleKey, dimension: u32) -> vec4f {
     let second = select(key.sample, 3141592653u, sobol);
     var bits = pcg4d(vec4u(first, second, dimension, key.seed));
     if sobol {
-        let order = mix_bits((bits.x ^ (bits.w * 2654435769u)));
-        let index = (nested_uniform_scramble(key.index, order) & key.index_mask);
-        bits = scrambled_sobol4(index, bits);
+        var index = key.index;
+        let ensemble = (dimension / GROUPS);
+        if (ensemble != 0u) {
+            let order = mix_bits((key.scramble ^ (ensemble * 2654435769u)));
+            index = (nested_uniform_scramble(index, order) & key.index_mask);
+        }
+        bits = scrambled_sobol4(index_of_group(index, (dimension % GROUPS)), bits);
     }
     return vec4f(unit_float(bits.x), unit_float(bits.y), unit_float(bits.z), unit_float(bits.w));
 }
@@ -3062,66 +3101,6 @@ fn light_importance(light: LightRecord, point: vec3f) -> f32 {
     return light.importance;
 }
 
-struct PathVertex {
-    position: vec3f,
-    normal: vec3f,
-    both_sides: bool,
-    pdf: f32,
-    importance: f32
-}
-const ROULETTE_START: u32 = 3u;
-const ROULETTE_CAUTION: f32 = 3.0;
-const MAX_SEGMENTS: u32 = 512u;
-const SHADOW_END: f32 = 0.9999;
-
-fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
-    if (previous.pdf <= 0.0) {
-        return 1.0;
-    }
-    return power_heuristic(previous.pdf, light_pdf);
-}
-
-struct DirectLight {
-    radiance: vec3f,
-    end: f32,
-    ray: Ray
-}
-
-struct PathState {
-    radiance: vec3f,
-    rays: u32,
-    throughput: vec3f,
-    touched: u32,
-    ray: Ray,
-    follows: bool,
-    segment: u32,
-    media: Media,
-    previous: PathVertex,
-    event: u32,
-    direct: vec3f,
-    shadow: Ray,
-    shadow_end: f32,
-    shadow_light: vec3f,
-    goes_on: bool
-}
-const EVENT_ESCAPED: u32 = 4u;
-const EVENT_STOPPED: u32 = 5u;
-const EVENT_STARTED: u32 = 6u;
-
-fn start_path(first: Ray) -> PathState {
-    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, true, 0u, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), first, 0.0, vec3f(0.0, 0.0, 0.0), true);
-}
-
-fn receive_light(before: PathState, passed: vec3f) -> PathState {
-    var path = before;
-    path.rays += 1u;
-    path.direct = (path.shadow_light * passed);
-    path.radiance += path.direct;
-    path.shadow_end = 0.0;
-    path.goes_on = path.follows;
-    return path;
-}
-
 const FILTER_BOX: u32 = 0u;
 const FILTER_TENT: u32 = 1u;
 const FILTER_GAUSSIAN: u32 = 2u;
@@ -3246,20 +3225,88 @@ fn concentric_disc(u: vec2f) -> vec2f {
     return vec2f((b * sin(angle)), (b * cos(angle)));
 }
 
-fn sampled_camera_ray(
+struct CameraSample {
+    ray: Ray,
+    light_numbers: vec2f
+}
+
+fn sample_camera(
     header: SceneHeader,
     settings: LaunchSettings,
     key: SampleKey,
     x: u32,
     y: u32,
-) -> Ray {
+) -> CameraSample {
     let numbers = camera_numbers(key, settings.grid);
     let position = filter_position(settings.reconstruction, vec2f(numbers.x, numbers.y));
     var lens = vec2f(0.0, 0.0);
     if (header.lens_radius > 0.0) {
-        lens = concentric_disc(vec2f(numbers.z, numbers.w));
+        let u = random4(key, DIMENSION_LENS);
+        lens = concentric_disc(vec2f(u.x, u.y));
     }
-    return lens_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y), lens);
+    return CameraSample(lens_ray(header, settings, (f32(x) + position.x), (f32(y) + position.y), lens), vec2f(numbers.z, numbers.w));
+}
+
+struct PathVertex {
+    position: vec3f,
+    normal: vec3f,
+    both_sides: bool,
+    pdf: f32,
+    importance: f32
+}
+const ROULETTE_START: u32 = 3u;
+const ROULETTE_CAUTION: f32 = 3.0;
+const MAX_SEGMENTS: u32 = 512u;
+const SHADOW_END: f32 = 0.9999;
+
+fn found_light_weight(previous: PathVertex, light_pdf: f32) -> f32 {
+    if (previous.pdf <= 0.0) {
+        return 1.0;
+    }
+    return power_heuristic(previous.pdf, light_pdf);
+}
+
+struct DirectLight {
+    radiance: vec3f,
+    end: f32,
+    ray: Ray
+}
+
+struct PathState {
+    radiance: vec3f,
+    rays: u32,
+    throughput: vec3f,
+    touched: u32,
+    ray: Ray,
+    follows: bool,
+    segment: u32,
+    light_numbers: vec2f,
+    media: Media,
+    previous: PathVertex,
+    event: u32,
+    direct: vec3f,
+    shadow: Ray,
+    shadow_end: f32,
+    shadow_light: vec3f,
+    goes_on: bool
+}
+const EVENT_ESCAPED: u32 = 4u;
+const EVENT_STOPPED: u32 = 5u;
+const EVENT_STARTED: u32 = 6u;
+
+fn start_path(start: CameraSample) -> PathState {
+    let first = start.ray;
+    return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, true, 0u, start.light_numbers, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), first, 0.0, vec3f(0.0, 0.0, 0.0), true);
+}
+
+fn receive_light(before: PathState, passed: vec3f) -> PathState {
+    var path = before;
+    path.rays += 1u;
+    path.direct = (path.shadow_light * passed);
+    path.radiance += path.direct;
+    path.shadow_end = 0.0;
+    path.goes_on = path.follows;
+    return path;
 }
 
 struct PathSample {
@@ -3287,7 +3334,7 @@ fn add_samples_Buffers(
     var film = before;
     for (var i = 0u; i < count; i++) {
         let key = sample_key(settings, x, y, (settings.first_sample + i));
-        let ray = sampled_camera_ray(header, settings, key, x, y);
+        let ray = sample_camera(header, settings, key, x, y).ray;
         let traced = trace_rays_Buffers(scene, settings, key, ray);
         film = add_sample(film, traced.radiance, traced.rays);
     }
@@ -3364,7 +3411,7 @@ fn layers_of_pixel_Buffers(
     var layers = before;
     for (var i = 0u; i < settings.samples; i++) {
         let key = sample_key(settings, x, y, (settings.first_sample + i));
-        let ray = sampled_camera_ray(header, settings, key, x, y);
+        let ray = sample_camera(header, settings, key, x, y).ray;
         layers = add_first_hit_Buffers(scene, key, ray, layers);
     }
     return layers;
