@@ -60,9 +60,17 @@ pub fn open_device(choice: DeviceChoice, threads: Option<usize>) -> Result<Box<d
         DeviceChoice::All => open_all(Some(Cpu::new(threads)?)),
         DeviceChoice::Auto => match Gpu::open_automatic() {
             Some(Ok(gpu)) => Ok(Box::new(Arc::new(gpu))),
-            Some(Err(_)) | None => Ok(Box::new(Cpu::new(threads)?)),
+            Some(Err(error)) => Ok(Box::new(instead_of_gpu(&error, threads)?)),
+            None => Ok(Box::new(Cpu::new(threads)?)),
         },
     }
+}
+
+/// The CPU in the place of a graphics card that was not asked for by name and does not work: with a warning, because the
+/// picture takes longer.
+fn instead_of_gpu(error: &DeviceError, threads: Option<usize>) -> Result<Cpu, DeviceError> {
+    tracing::warn!("the processor renders in the place of the graphics card: {error}");
+    Cpu::new(threads)
 }
 
 /// All graphics cards that can be opened, and the CPU.
@@ -159,9 +167,9 @@ pub fn load_for(
         loaded.prepare(renderer)?;
         Ok(ReadyDevice { device, scene: loaded })
     };
-    let cpu = || Cpu::new(threads).map(|cpu| Box::new(cpu) as Box<dyn Device>);
+    let replaceable = choice == DeviceChoice::Auto && device.kind() != Cpu::KIND;
     let ready = match load(device) {
-        Err(_) if choice == DeviceChoice::Auto => load(cpu()?),
+        Err(error) if replaceable => load(Box::new(instead_of_gpu(&error, threads)?)),
         result => result,
     }?;
     // Nothing stands in for the CPU.
@@ -194,6 +202,34 @@ mod tests {
         assert_eq!(automatic_gpu(&[]), None);
         assert_eq!(automatic_gpu(&[gpu(0, true)]), None);
         assert_eq!(automatic_gpu(&[gpu(0, false), gpu(1, false), gpu(2, true)]), Some(0));
+    }
+
+    /// A graphics card that opens and then has no memory for anything.
+    struct Full;
+
+    impl Device for Full {
+        fn name(&self) -> String {
+            "full card".to_owned()
+        }
+
+        fn kind(&self) -> String {
+            "gpu".to_owned()
+        }
+
+        fn load(&self, _: Arc<CompiledScene>) -> Result<Box<dyn LoadedScene>, DeviceError> {
+            Err(DeviceError::OutOfMemory { device: self.name(), what: "the scene", needed: 1_000_000 })
+        }
+    }
+
+    #[test]
+    fn the_cpu_stands_in_for_a_card_that_was_not_asked_for_by_name() {
+        let scene = Arc::new(crate::compile(&scene::Scene::default()).unwrap());
+        let load = |choice| load_for(Box::new(Full), choice, Some(1), &scene, Renderer::PathTracer);
+        assert_eq!(load(DeviceChoice::Auto).unwrap().device.kind(), Cpu::KIND);
+        let Err(error) = load(DeviceChoice::Gpu(None)) else {
+            panic!("the card that was asked for has to fail")
+        };
+        assert!(error.to_string().contains("full card has no memory left for the scene, 1.0 MB"), "{error}");
     }
 
     #[test]
