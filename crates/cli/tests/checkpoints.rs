@@ -361,7 +361,7 @@ fn kill_at_random(kills: u32, seed: u64) {
     ]);
     let mut random = Random(seed);
     let (mut killed, mut complete, mut with_film, mut abandoned, mut samples) = (0, 0, 0, 0, 0);
-    while killed < kills {
+    while killed < kills || with_film == 0 {
         let begun = Instant::now();
         let is_new = !at.join("a.film").exists();
         let mut child = command(at, &words).spawn().unwrap();
@@ -375,6 +375,9 @@ fn kill_at_random(kills: u32, seed: u64) {
         if status.success() && is_new {
             // So that most moments lie within a run, however busy the machine was at first.
             duration = duration.min(begun.elapsed());
+        } else if !status.success() && with_film == 0 {
+            // And so that some run gets as far as a film, however busy it is now.
+            duration += duration / 4;
         }
         let left = names(at);
         abandoned += left.iter().filter(|name| name.ends_with(".part")).count();
@@ -405,7 +408,6 @@ fn kill_at_random(kills: u32, seed: u64) {
     println!(
         "{killed} kills, {complete} runs complete, {with_film} times a film, {abandoned} abandoned files seen"
     );
-    assert!(with_film > 0);
 }
 
 #[test]
