@@ -96,7 +96,7 @@ pub mod kernel {
     /// The index with which a group of four dimensions is asked for, so that groups are even together.
     ///
     /// A matrix whose diagonal is 1 and that has nothing below leaves a group as even as it was, in base 4 and in base
-    /// 2; which one decides how even numbers of different groups are together. These were found by
+    /// 2; which one decides how even numbers of different groups are together. These come from a search as by
     /// `examples/groups_of_dimensions.rs`, for the least variance of products of functions of two or three successive
     /// directions, and the light at the end, for 4 to 1024 samples. With an independent order in each group the
     /// variance of such products is that of independent numbers, and twice that in the coarsest parts: samples 2 k and
