@@ -72,8 +72,8 @@ pub mod kernel {
         pub light_numbers: Vec2f,
     }
 
-    /// The ray of a sample: through a point around the middle of its pixel, drawn with the reconstruction filter
-    /// as density, and a point of the lens. `x` and `y` are the pixel's, from the top left of the whole picture.
+    /// Where the path of a sample starts: its ray goes through a point around the middle of its pixel, drawn with the
+    /// reconstruction filter as density, and a point of the lens. `x` and `y` are the pixel's, from the top left of the whole picture.
     pub fn sample_camera(
         header: SceneHeader,
         settings: LaunchSettings,

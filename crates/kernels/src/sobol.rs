@@ -176,57 +176,6 @@ mod tests {
         assert_eq!(first_pair(8), [0.0625, 0.9375]);
     }
 
-    /// Whether an aligned block of base^m points has one in every box of volume base^-m whose edges are powers of
-    /// 1/base; the base is given by the binary digits of one of its digits.
-    fn is_net(dimensions: &[usize], digit_bits: u32, m: u32, block: u32) -> bool {
-        let number = 1u32 << (digit_bits * m);
-        let points: Vec<[u32; 4]> =
-            (0..number).map(|i| sobol4(block * number + i).to_array().map(u32::reverse_bits)).collect();
-        // The edges of a box as numbers of digits, counted up like a number in base m + 1.
-        let shapes = (m + 1).pow(u32::try_from(dimensions.len()).unwrap());
-        let edges = |shape: u32| -> Vec<u32> {
-            (0..dimensions.len() as u32).map(|axis| shape / (m + 1).pow(axis) % (m + 1)).collect()
-        };
-        (0..shapes).map(edges).filter(|edges| edges.iter().sum::<u32>() == m).all(|edges| {
-            let mut taken = vec![false; number as usize];
-            points.iter().all(|point| {
-                let place = dimensions.iter().zip(&edges).fold(0u64, |place, (&dimension, &edge)| {
-                    let bits = digit_bits * edge;
-                    place << bits | u64::from(point[dimension]) >> (32 - bits)
-                });
-                !std::mem::replace(&mut taken[place as usize], true)
-            })
-        })
-    }
-
-    #[test]
-    fn all_four_dimensions_are_even_in_base_4() {
-        for m in 0..=5 {
-            for block in [0, 1, 6] {
-                assert!(is_net(&[0, 1, 2, 3], 2, m, block), "4^{m} points, block {block}");
-            }
-        }
-    }
-
-    #[test]
-    fn either_pair_is_even_in_base_2() {
-        for m in 0..=11 {
-            for block in [0, 1, 5] {
-                for pair in [[0, 1], [2, 3]] {
-                    assert!(is_net(&pair, 1, m, block), "2^{m} points, block {block}, {pair:?}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn evenness_is_seen_to_be_missing() {
-        // Pascal's triangle takes a number back to itself, so these are two equal dimensions.
-        assert!(!is_net(&[0, 0], 1, 2, 0));
-        // Not in base 2, which no sequence of four dimensions is.
-        assert!(!is_net(&[0, 1, 2, 3], 1, 2, 0));
-    }
-
     #[test]
     fn scrambling_permutes_every_subtree() {
         for seed in [0, 1, 0xdead_beef] {

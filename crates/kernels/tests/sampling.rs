@@ -2,7 +2,7 @@
 
 use kernels::random::kernel::*;
 use kernels::records::kernel::LaunchSettings;
-use kernels::sobol::kernel::BLOCK_LEVELS;
+use kernels::sobol::kernel::{BLOCK_LEVELS, sobol4};
 use std::f64::consts::TAU;
 
 /// Settings of a picture 640 pixels wide, planned for 2^`bits` samples per pixel.
@@ -34,24 +34,71 @@ fn numbers(settings: LaunchSettings, (x, y): (u32, u32), sample: u32, dimension:
     random4(sample_key(settings, x, y, sample), dimension).to_array()
 }
 
-/// Asserts that every box of the unit cube with edges 2^-e for each way to share `digits` out as exponents e among
-/// the first `D` numbers holds exactly `each` of the points.
+/// Looks whether every box of the unit cube with edges base^-e, for each way to share `digits` out as exponents e among the
+/// first `D` numbers, holds exactly `each` of the points. Returns the exponents of boxes that do not.
+fn uneven_boxes<const D: usize>(points: &[[f32; 4]], base: u32, digits: u32, each: u32) -> Option<[u32; D]> {
+    let cells = base.pow(digits);
+    assert_eq!(points.len() as u32, each * cells);
+    (0..(digits + 1).pow(D as u32))
+        .map(|code| std::array::from_fn(|d| code / (digits + 1).pow(d as u32) % (digits + 1)))
+        .filter(|exponents: &[u32; D]| exponents.iter().sum::<u32>() == digits)
+        .find(|exponents| {
+            let mut counts = vec![0u32; cells as usize];
+            for point in points {
+                let cell = (0..D).fold(0, |cell, d| {
+                    let edge = base.pow(exponents[d]);
+                    cell * edge + (point[d] * edge as f32) as u32
+                });
+                counts[cell as usize] += 1;
+            }
+            counts.iter().any(|&count| count != each)
+        })
+}
+
+/// Asserts that boxes in base 2 are even.
 fn assert_equidistributed<const D: usize>(points: &[[f32; 4]], digits: u32, each: u32) {
-    assert_eq!(points.len() as u32, each << digits);
-    for code in 0..(digits + 1).pow(D as u32) {
-        let exponents: [u32; D] = std::array::from_fn(|d| code / (digits + 1).pow(d as u32) % (digits + 1));
-        if exponents.iter().sum::<u32>() != digits {
-            continue;
+    assert_eq!(uneven_boxes::<D>(points, 2, digits, each), None);
+}
+
+/// An aligned block of points of the sequence, neither shuffled nor scrambled, their dimensions turned so that `first` is
+/// the first.
+fn unscrambled(number: u32, block: u32, first: usize) -> Vec<[f32; 4]> {
+    let point = |i| {
+        let mut point = sobol4(block * number + i).to_array().map(|bits| unit_float(bits.reverse_bits()));
+        point.rotate_left(first);
+        point
+    };
+    (0..number).map(point).collect()
+}
+
+#[test]
+fn all_four_dimensions_are_even_in_base_4() {
+    for m in 0..=5 {
+        for block in [0, 1, 6] {
+            let points = unscrambled(4u32.pow(m), block, 0);
+            assert_eq!(uneven_boxes::<4>(&points, 4, m, 1), None, "4^{m} points, block {block}");
         }
-        let mut counts = vec![0u32; 1 << digits];
-        for point in points {
-            let cell = (0..D).fold(0, |cell, d| {
-                (cell << exponents[d]) | (point[d] * (1u32 << exponents[d]) as f32) as usize
-            });
-            counts[cell] += 1;
-        }
-        assert!(counts.iter().all(|&count| count == each), "{exponents:?}");
     }
+}
+
+#[test]
+fn either_pair_is_even_in_base_2() {
+    for m in 0..=11 {
+        for block in [0, 1, 5] {
+            for first in [0, 2] {
+                assert_equidistributed::<2>(&unscrambled(1 << m, block, first), m, 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn evenness_is_seen_to_be_missing() {
+    // Two equal dimensions.
+    let equal: Vec<_> = unscrambled(4, 0, 0).into_iter().map(|[x, ..]| [x; 4]).collect();
+    assert!(uneven_boxes::<2>(&equal, 2, 2, 1).is_some());
+    // Not in base 2, which no sequence of four dimensions is.
+    assert!(uneven_boxes::<4>(&unscrambled(4, 0, 0), 2, 2, 1).is_some());
 }
 
 /// The parameter t of the nets of 2^m points in four dimensions, computed from the ranks of the matrices.
@@ -64,7 +111,7 @@ fn sobol_points_of_a_pixel_are_in_every_elementary_interval() {
         for bits in 0..=9 {
             let settings = settings(SAMPLER_SOBOL, bits, seed);
             let points: Vec<_> = (0..1 << bits).map(|i| numbers(settings, pixel, i, dimension)).collect();
-            // The pairs are (0, m, 2)-nets in base 2. The four together are so in base 4 (`sobol::tests`), which leaves
+            // The pairs are (0, m, 2)-nets in base 2. The four together are so in base 4 (above), which leaves
             // them this uneven in base 2.
             assert_equidistributed::<2>(&points, bits, 1);
             let second: Vec<_> = points.iter().map(|p| [p[2], p[3], p[0], p[1]]).collect();
