@@ -7,16 +7,11 @@ use std::path::PathBuf;
 const LIGHTS: &[(&str, usize)] = &[("light_importance", 0)];
 
 /// In small scenes neighbours often meet the same object, and materials are few.
-const SHADING: &[(&str, usize)] = &[
-    ("sample_plain_light", 0),
-    ("distant_radiance_Buffers", 1),
-    ("material_bsdf_Buffers", 1),
-    ("world_from_unit_Buffers", 2),
-    ("hit_point", 0),
-];
+const SHADING: &[(&str, usize)] =
+    &[("sample_plain_light", 0), ("distant_radiance_Buffers", 1), ("material_bsdf_Buffers", 1)];
 
 /// The same where every lane searches on its own.
-const SEARCH: &[(&str, usize)] = &[("reached_boxes", 0), ("intersect_shape", 1)];
+const SEARCH: &[(&str, usize)] = &[("reached_boxes", 0)];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let source = PathBuf::from("src/gpu/path_tracer.wgsl");
@@ -45,18 +40,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     ] {
         let alone = vectorizer::Options {
             roots: &[path_tracer],
-            hooks: &[],
             // Lights are mostly compared for all rays at once, and neighbours often meet the same object.
             together: &[LIGHTS, SHADING, SEARCH].concat(),
             target_features,
         };
         let in_turns = vectorizer::Options {
             roots: &[
-                path_tracer,
+                ("sample_key", &[false, true, true, true]),
+                ("start_sample", &[false, false, true, true, true, true]),
+                ("next_query", &[true, true]),
                 ("meet_object_Buffers", &[false, true, true, true, true, true]),
                 ("is_dark", &[true]),
+                ("continue_path_Buffers", &[false, true, false, false, true, true]),
             ],
-            hooks: &[("search_Buffers", &[false, true, true, true])],
             together: LIGHTS,
             ..alone
         };

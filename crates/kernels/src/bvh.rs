@@ -102,19 +102,9 @@ pub mod kernel {
         bits
     }
 
-    /// Objects of some children that are leaves, as bits counted from the first object of the node.
-    pub fn leaf_objects(node: BvhNode, leaves: u32) -> u32 {
-        let mut objects: u32 = 0;
-        let mut left = leaves;
-        while left != 0u32 {
-            let child = count_trailing_zeros(left);
-            left &= left - 1u32;
-            let word = select(node.leaves0, node.leaves1, child >= 4u32);
-            let leaf = word >> ((child & 3u32) * 8u32);
-            let members = (1u32 << ((leaf >> 5u32) & 7u32)) - 1u32;
-            objects |= members << (leaf & 31u32);
-        }
-        objects
+    /// How many children, given as bits, stand before one of them.
+    pub fn children_before(children: u32, child: u32) -> u32 {
+        count_one_bits(children & ((1u32 << child) - 1u32))
     }
 
     /// Children of a node that are nodes and wait to be visited: the first of all its children that are nodes, and
@@ -137,7 +127,7 @@ pub mod kernel {
     /// The next node to visit.
     pub fn next_node(children: Vec2u, order: u32) -> u32 {
         let child = count_trailing_zeros(children.y) ^ order;
-        children.x + count_one_bits((children.y >> 8u32) & ((1u32 << child) - 1u32))
+        children.x + children_before(children.y >> 8u32, child)
     }
 
     /// The children that still wait after the next one.

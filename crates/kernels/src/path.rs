@@ -124,26 +124,25 @@ pub mod kernel {
         let nowhere = Ray { origin: point.position, direction: normal };
         let mut result = DirectLight { radiance: vec3f(0.0, 0.0, 0.0), end: 0.0, ray: nowhere };
         let choice = choose_light::<S>(scene, point.position, importance, u.x);
-        if choice.index == NONE {
-            return result;
-        }
-        let light = S::light(scene, choice.index);
-        let both_sides = transmits(bsdf);
-        let place = vec2f(choice.left, u.y);
-        let sample = sample_light::<S>(scene, light, point.position, normal, both_sides, place);
-        let value = evaluate_bsdf(bsdf, normal, wo, sample.direction) * sample.weight;
-        if is_dark(value) || !same_side(point, normal, wo, sample.direction) {
-            return result;
-        }
-        let mut weight = 1.0 / choice.probability;
-        if sample.pdf > 0.0 && light.shadowless == 0u32 {
-            let scattered = bsdf_pdf(bsdf, normal, wo, sample.direction);
-            weight *= power_heuristic(sample.pdf * choice.probability, scattered);
-        }
-        result.radiance = value * weight;
-        if light.shadowless == 0u32 {
-            result.ray = Ray { origin: offset_origin(point, sample.direction), direction: sample.direction };
-            result.end = select(NO_HIT, sample.distance * SHADOW_END, sample.distance < NO_HIT);
+        if choice.index != NONE {
+            let light = S::light(scene, choice.index);
+            let both_sides = transmits(bsdf);
+            let place = vec2f(choice.left, u.y);
+            let sample = sample_light::<S>(scene, light, point.position, normal, both_sides, place);
+            let value = evaluate_bsdf(bsdf, normal, wo, sample.direction) * sample.weight;
+            if !is_dark(value) && same_side(point, normal, wo, sample.direction) {
+                let mut weight = 1.0 / choice.probability;
+                if sample.pdf > 0.0 && light.shadowless == 0u32 {
+                    let scattered = bsdf_pdf(bsdf, normal, wo, sample.direction);
+                    weight *= power_heuristic(sample.pdf * choice.probability, scattered);
+                }
+                result.radiance = value * weight;
+                if light.shadowless == 0u32 {
+                    let origin = offset_origin(point, sample.direction);
+                    result.ray = Ray { origin, direction: sample.direction };
+                    result.end = select(NO_HIT, sample.distance * SHADOW_END, sample.distance < NO_HIT);
+                }
+            }
         }
         result
     }
@@ -218,6 +217,43 @@ pub mod kernel {
         }
     }
 
+    /// A ray of a path that is to be followed: its shadow ray, if it has one, or its next one.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct RayQuery {
+        pub ray: Ray,
+        /// Parameter where the ray ends.
+        pub t_max: f32,
+        pub quest: Quest,
+    }
+
+    /// What a path asks the scene next.
+    pub fn next_query(key: SampleKey, path: PathState) -> RayQuery {
+        let is_shadow = path.shadow_end > 0.0;
+        let mut ray = path.ray;
+        let mut t_max = NO_HIT;
+        if is_shadow {
+            ray = path.shadow;
+            t_max = path.shadow_end;
+        }
+        let purpose = select(SEARCH_HIT, SEARCH_LIGHT, is_shadow);
+        RayQuery { ray, t_max, quest: Quest { purpose, key, segment: path.segment } }
+    }
+
+    /// A path after the answer to its last query; it touches at most `depth` surfaces and may then still find a light.
+    pub fn continue_path<S: SceneAccess + Copy>(
+        scene: S,
+        key: SampleKey,
+        depth: u32,
+        background: Vec3f,
+        before: PathState,
+        found: Found,
+    ) -> PathState {
+        if before.shadow_end > 0.0 {
+            return receive_light(before, found.passed);
+        }
+        meet_surface::<S>(scene, key, depth, background, before, found.hit)
+    }
+
     /// Traces the next ray of a path, and its shadow ray, too, if the scene is small; the path touches at most
     /// `depth` surfaces and may then still find a light.
     ///
@@ -231,26 +267,15 @@ pub mod kernel {
         before: PathState,
     ) -> PathState {
         if has::<S>(scene, FEATURE_MANY_NODES) {
-            let is_shadow = before.shadow_end > 0.0;
-            let mut ray = before.ray;
-            let mut t_max = NO_HIT;
-            if is_shadow {
-                ray = before.shadow;
-                t_max = before.shadow_end;
-            }
-            let purpose = select(SEARCH_HIT, SEARCH_LIGHT, is_shadow);
-            let quest = Quest { purpose, key, segment: before.segment };
-            let found = search::<S>(scene, ray, t_max, quest);
-            if is_shadow {
-                return receive_light(before, found.passed);
-            }
-            return meet_surface::<S>(scene, key, depth, background, before, found.hit);
+            let query = next_query(key, before);
+            let found = search::<S>(scene, query.ray, query.t_max, query.quest);
+            return continue_path::<S>(scene, key, depth, background, before, found);
         }
         let hit = closest_hit::<S>(scene, before.ray, key, before.segment);
-        let path = meet_surface::<S>(scene, key, depth, background, before, hit);
+        let mut path = meet_surface::<S>(scene, key, depth, background, before, hit);
         if path.shadow_end > 0.0 {
             let found = search::<S>(scene, path.shadow, path.shadow_end, light_quest(SEARCH_LIGHT));
-            return receive_light(path, found.passed);
+            path = receive_light(path, found.passed);
         }
         path
     }
@@ -282,7 +307,7 @@ pub mod kernel {
         path.follows = false;
         path.goes_on = false;
 
-        // The next surface, or the sky.
+        // The next surface, or the sky. One way out: lanes of processors pay for every return of a whole path.
         if hit.object == NONE {
             path.radiance += path.throughput * escaped_radiance::<S>(scene, path.previous, ray.direction);
             // The background is seen by the eye and in ideal mirrors, it is no light.
@@ -290,106 +315,106 @@ pub mod kernel {
                 path.radiance += path.throughput * background_radiance::<S>(scene, background);
             }
             path.event = EVENT_ESCAPED;
-            return path;
-        }
-        let surface = S::surface(scene, hit.object);
-        let met = shading_point::<S>(scene, ray, hit);
-        let point = met.point;
-        let material = met.material;
-        let normal = met.normal;
-        let wo = -ray.direction;
-        let front = met.cos_front >= 0.0;
+        } else {
+            let surface = S::surface(scene, hit.object);
+            let met = shading_point::<S>(scene, ray, hit);
+            let point = met.point;
+            let material = met.material;
+            let normal = met.normal;
+            let wo = -ray.direction;
+            let front = met.cos_front >= 0.0;
 
-        // Light that the surface emits.
-        if surface.light != NONE {
-            path.radiance += path.throughput
-                * lamp_radiance::<S>(scene, surface.light, path.previous, point.position, met.cos_front);
-        }
-        let mut eta: f32 = 1.0;
-        let refracts = has::<S>(scene, FEATURE_MEDIA) && material.refractive_index > 0.0;
-        if refracts {
-            let outside = leave_medium(path.media, met.body).indices.x;
-            let inside = material.refractive_index;
-            eta = select(inside / outside, outside / inside, front);
-        }
-        let bsdf = material_bsdf::<S>(scene, material, met.at, eta, dot(normal, wo));
-        // Unverified for GroIMP's path tracer: emissive surfaces shine by themselves.
-        path.radiance += path.throughput * bsdf.emissive;
-        // Bounded, so that no scene can hold a device for ever.
-        let may_go_on = path.segment + 1u32 < MAX_SEGMENTS;
-        if path.touched >= depth {
-            // Nothing is scattered any more, but clear surfaces are still passed.
-            path.throughput *= bsdf.straight;
-            path.event = EVENT_ABSORBED;
-            if !is_dark(path.throughput) {
-                path.event = EVENT_PASSED;
-                path.follows = may_go_on;
-                path.goes_on = may_go_on;
+            // Light that the surface emits.
+            if surface.light != NONE {
+                path.radiance += path.throughput
+                    * lamp_radiance::<S>(scene, surface.light, path.previous, point.position, met.cos_front);
             }
-            path.ray = Ray { origin: offset_origin(point, ray.direction), direction: ray.direction };
-            path.segment += 1;
-            return path;
-        }
-
-        // Light that arrives directly and is scattered here.
-        let importance = total_importance::<S>(scene, point.position);
-        if importance > 0.0 {
-            let direct = direct_light::<S>(scene, point, bsdf, normal, wo, importance, path.light_numbers);
-            let arriving = path.throughput * direct.radiance;
-            if direct.end > 0.0 {
-                path.shadow = direct.ray;
-                path.shadow_end = direct.end;
-                path.shadow_light = arriving;
-                path.goes_on = true;
+            let mut eta: f32 = 1.0;
+            let refracts = has::<S>(scene, FEATURE_MEDIA) && material.refractive_index > 0.0;
+            if refracts {
+                let outside = leave_medium(path.media, met.body).indices.x;
+                let inside = material.refractive_index;
+                eta = select(inside / outside, outside / inside, front);
+            }
+            let bsdf = material_bsdf::<S>(scene, material, met.at, eta, dot(normal, wo));
+            // Unverified for GroIMP's path tracer: emissive surfaces shine by themselves.
+            path.radiance += path.throughput * bsdf.emissive;
+            // Bounded, so that no scene can hold a device for ever.
+            let may_go_on = path.segment + 1u32 < MAX_SEGMENTS;
+            if path.touched >= depth {
+                // Nothing is scattered any more, but clear surfaces are still passed.
+                path.throughput *= bsdf.straight;
+                path.event = EVENT_ABSORBED;
+                if !is_dark(path.throughput) {
+                    path.event = EVENT_PASSED;
+                    path.follows = may_go_on;
+                    path.goes_on = may_go_on;
+                }
+                path.ray = Ray { origin: offset_origin(point, ray.direction), direction: ray.direction };
+                path.segment += 1;
             } else {
-                path.direct = arriving;
-                path.radiance += arriving;
-            }
-        }
+                // Light that arrives directly and is scattered here.
+                let importance = total_importance::<S>(scene, point.position);
+                if importance > 0.0 {
+                    let u = path.light_numbers;
+                    let direct = direct_light::<S>(scene, point, bsdf, normal, wo, importance, u);
+                    let arriving = path.throughput * direct.radiance;
+                    if direct.end > 0.0 {
+                        path.shadow = direct.ray;
+                        path.shadow_end = direct.end;
+                        path.shadow_light = arriving;
+                        path.goes_on = true;
+                    } else {
+                        path.direct = arriving;
+                        path.radiance += arriving;
+                    }
+                }
 
-        // Where the path goes on.
-        let dimension = DIMENSION_FIRST_SURFACE + path.segment;
-        let u = random4(key, dimension);
-        path.light_numbers = vec2f(u.z, u.w);
-        let sample = sample_bsdf(bsdf, normal, wo, vec2f(u.x, u.y));
-        path.event = sample.event;
-        if sample.event == EVENT_ABSORBED || !same_side(point, normal, wo, sample.direction) {
-            path.event = EVENT_ABSORBED;
-            return path;
-        }
-        path.throughput *= sample.weight;
-        if refracts && dot(sample.direction, point.normal) * met.cos_front < 0.0 {
-            if front {
-                path.media = enter_medium(path.media, met.body, material.refractive_index);
-            } else {
-                path.media = leave_medium(path.media, met.body);
-            }
-        }
-        path.ray = Ray { origin: offset_origin(point, sample.direction), direction: sample.direction };
-        path.segment += 1;
-        path.follows = may_go_on;
-        if sample.event != EVENT_PASSED {
-            path.touched += 1;
-            path.previous = PathVertex {
-                position: point.position,
-                normal,
-                both_sides: transmits(bsdf),
-                pdf: sample.pdf,
-                importance,
-            };
-        }
+                // Where the path goes on.
+                let dimension = DIMENSION_FIRST_SURFACE + path.segment;
+                let u = random4(key, dimension);
+                path.light_numbers = vec2f(u.z, u.w);
+                let sample = sample_bsdf(bsdf, normal, wo, vec2f(u.x, u.y));
+                path.event = EVENT_ABSORBED;
+                if sample.event != EVENT_ABSORBED && same_side(point, normal, wo, sample.direction) {
+                    path.event = sample.event;
+                    path.throughput *= sample.weight;
+                    if refracts && dot(sample.direction, point.normal) * met.cos_front < 0.0 {
+                        if front {
+                            path.media = enter_medium(path.media, met.body, material.refractive_index);
+                        } else {
+                            path.media = leave_medium(path.media, met.body);
+                        }
+                    }
+                    let origin = offset_origin(point, sample.direction);
+                    path.ray = Ray { origin, direction: sample.direction };
+                    path.segment += 1;
+                    path.follows = may_go_on;
+                    if sample.event != EVENT_PASSED {
+                        path.touched += 1;
+                        path.previous = PathVertex {
+                            position: point.position,
+                            normal,
+                            both_sides: transmits(bsdf),
+                            pdf: sample.pdf,
+                            importance,
+                        };
+                    }
 
-        // Russian roulette: weak paths end, the others carry their light.
-        if path.touched >= ROULETTE_START {
-            let survival = min(largest(path.throughput) * ROULETTE_CAUTION, 0.95);
-            if independent_number(key, dimension) >= survival {
-                path.event = EVENT_STOPPED;
-                path.follows = false;
-                return path;
+                    // Russian roulette: weak paths end, the others carry their light.
+                    if path.touched >= ROULETTE_START {
+                        let survival = min(largest(path.throughput) * ROULETTE_CAUTION, 0.95);
+                        if independent_number(key, dimension) < survival {
+                            path.throughput *= 1.0 / survival;
+                        } else {
+                            path.event = EVENT_STOPPED;
+                            path.follows = false;
+                        }
+                    }
+                    path.goes_on = path.goes_on || path.follows;
+                }
             }
-            path.throughput *= 1.0 / survival;
         }
-        path.goes_on = path.goes_on || path.follows;
         path
     }
 }

@@ -39,6 +39,26 @@ pub mod kernel {
         PathSample { radiance: path.radiance, rays: path.rays }
     }
 
+    /// A path that has just started, and the key of its sample.
+    #[derive(Copy, Clone, Debug, Wgsl)]
+    pub struct StartedPath {
+        pub key: SampleKey,
+        pub path: PathState,
+    }
+
+    /// The path of a sample of a pixel, given the key of another sample of that pixel.
+    pub fn start_sample(
+        header: SceneHeader,
+        settings: LaunchSettings,
+        x: u32,
+        y: u32,
+        other: SampleKey,
+        sample: u32,
+    ) -> StartedPath {
+        let key = key_of_sample(settings, x, y, other, sample);
+        StartedPath { key, path: start_path(sample_camera(header, settings, key, x, y)) }
+    }
+
     /// The sum of a pixel with one sample more.
     pub fn add_sample(before: FilmPixel, radiance: Vec3f, rays: u32) -> FilmPixel {
         let mut film = before;
@@ -69,8 +89,9 @@ pub mod kernel {
         path.goes_on = false;
         while started < count || path.goes_on {
             if !path.goes_on {
-                key = key_of_sample(settings, x, y, key, settings.first_sample + started);
-                path = start_path(sample_camera(header, settings, key, x, y));
+                let start = start_sample(header, settings, x, y, key, settings.first_sample + started);
+                key = start.key;
+                path = start.path;
                 started += 1;
             }
             path = extend_path::<S>(scene, key, settings.depth, settings.background, path);

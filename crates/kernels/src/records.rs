@@ -22,7 +22,7 @@ pub mod kernel {
     /// Node of a bounding volume hierarchy with up to eight children, whose boxes stand on a grid (Ylitie, Karras and
     /// Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017): 80 bytes.
     ///
-    /// A child is another node, a few objects, or nothing. The bits of the number of a child tell on which side of
+    /// A child is another node, an object, or nothing. The bits of the number of a child tell on which side of
     /// the node it rather lies: 1, 2 and 4 stand for larger x, y and z; see the module `bvh`.
     ///
     /// A node with `NODE_INSTANCE` in `exponents` is an instance instead: `first_object` is its record and
@@ -37,13 +37,11 @@ pub mod kernel {
         pub exponents: u32,
         /// The first child that is a node; the others follow.
         pub first_node: u32,
-        /// Where the objects of the children that are leaves start.
+        /// The first child that is an object; the others follow.
         pub first_object: u32,
-        /// A byte for each of the children 0 to 3: number of its objects in the upper three bits, below it where
-        /// they start behind `first_object`. 0 for nodes and where there is no child.
-        pub leaves0: u32,
-        /// Children 4 to 7.
-        pub leaves1: u32,
+        /// A bit for each child that is an object.
+        pub leaves: u32,
+        pub unused: u32,
         /// Lower ends of the boxes in cells, a byte for each child: x of 0 to 3, x of 4 to 7, y, y.
         pub low_xy: Vec4u,
         /// Lower ends in z, upper ends in x.

@@ -65,17 +65,17 @@ pub mod kernel {
         let p = ray.origin + ray.direction * t_mid;
         let a = dot(ray.direction, ray.direction);
         let discriminant = 1.0 - dot(p, p);
-        if discriminant < 0.0 {
-            return no_hit();
+        let mut result = no_hit();
+        if discriminant >= 0.0 {
+            let half = sqrt(discriminant / a);
+            let near = t_mid - half;
+            let far = t_mid + half;
+            let enters = near > t_min && near < t_max;
+            if enters || (far > t_min && far < t_max) {
+                result.t = select(far, near, enters);
+            }
         }
-        let half = sqrt(discriminant / a);
-        if t_mid - half > t_min && t_mid - half < t_max {
-            return ShapeHit { t: t_mid - half, face: 0 };
-        }
-        if t_mid + half > t_min && t_mid + half < t_max {
-            return ShapeHit { t: t_mid + half, face: 0 };
-        }
-        no_hit()
+        result
     }
 
     /// A divisor that is never zero.
@@ -93,46 +93,48 @@ pub mod kernel {
             away_from_zero(ray.direction.z),
         );
         // Where the ray enters and leaves the three slabs.
-        let centre = -ray.origin / d;
-        let half = vec3f(1.0, 1.0, 1.0) / abs(d);
+        let inverse = vec3f(1.0, 1.0, 1.0) / d;
+        let centre = -ray.origin * inverse;
+        let half = abs(inverse);
         let enter = centre - half;
         let leave = centre + half;
         let t_in = max(enter.x, max(enter.y, enter.z));
         let t_out = min(leave.x, min(leave.y, leave.z));
-        if t_in > t_out {
-            return no_hit();
+        let mut result = no_hit();
+        if t_in <= t_out {
+            let from_outside = t_in > t_min;
+            let t = select(t_out, t_in, from_outside);
+            let side = select(d, -d, from_outside);
+            let per_axis = select(leave, enter, from_outside);
+            if t > t_min && t < t_max {
+                let x = select(0u32, 1u32, side.x > 0.0);
+                let y = select(2u32, 3u32, side.y > 0.0);
+                let z = select(4u32, 5u32, side.z > 0.0);
+                let face = select(select(z, y, t == per_axis.y), x, t == per_axis.x);
+                result = ShapeHit { t, face };
+            }
         }
-        let mut t = t_in;
-        let mut side = vec3f(-d.x, -d.y, -d.z);
-        let mut per_axis = enter;
-        if t <= t_min {
-            t = t_out;
-            side = d;
-            per_axis = leave;
-        }
-        if t <= t_min || t >= t_max {
-            return no_hit();
-        }
-        if t == per_axis.x {
-            return ShapeHit { t, face: select(0u32, 1u32, side.x > 0.0) };
-        }
-        if t == per_axis.y {
-            return ShapeHit { t, face: select(2u32, 3u32, side.y > 0.0) };
-        }
-        ShapeHit { t, face: select(4u32, 5u32, side.z > 0.0) }
+        result
     }
 
     /// Cylinder, cone and frustum: lateral surface and up to two caps.
-    pub fn intersect_frustum(shape: ShapeRecord, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+    pub fn intersect_frustum(
+        kind: u32,
+        base_radius: f32,
+        top_radius: f32,
+        ray: Ray,
+        t_min: f32,
+        t_max: f32,
+    ) -> ShapeHit {
         let mut best = no_hit();
         best.t = t_max;
 
         // Lateral surface: x² + y² = r(z)², relative to the point of closest approach to the axis' middle.
-        let slope = shape.top_radius - shape.base_radius;
+        let slope = top_radius - base_radius;
         let t_mid = closest_approach(ray, vec3f(0.0, 0.0, 0.5));
         let p = ray.origin + ray.direction * t_mid;
         let d = ray.direction;
-        let radius = shape.base_radius + slope * p.z;
+        let radius = base_radius + slope * p.z;
         let a = d.x * d.x + d.y * d.y - slope * slope * d.z * d.z;
         let half_b = p.x * d.x + p.y * d.y - radius * slope * d.z;
         let c = p.x * p.x + p.y * p.y - radius * radius;
@@ -146,10 +148,10 @@ pub mod kernel {
             let t1 = t_mid + q / away_from_zero(a);
             let near = min(t0, t1);
             let far = max(t0, t1);
-            if on_lateral_surface(shape, ray, near) && near > t_min && near < best.t {
+            if on_lateral_surface(base_radius, top_radius, ray, near) && near > t_min && near < best.t {
                 best.t = near;
             } else {
-                if on_lateral_surface(shape, ray, far) && far > t_min && far < best.t {
+                if on_lateral_surface(base_radius, top_radius, ray, far) && far > t_min && far < best.t {
                     best.t = far;
                 }
             }
@@ -157,27 +159,25 @@ pub mod kernel {
 
         // Caps.
         let dz = away_from_zero(d.z);
-        if (shape.kind & FLAG_BASE_OPEN) == 0u32 {
+        if (kind & FLAG_BASE_OPEN) == 0u32 {
             let t = -ray.origin.z / dz;
-            if t > t_min && t < best.t && within_radius(ray, t, shape.base_radius) {
+            if t > t_min && t < best.t && within_radius(ray, t, base_radius) {
                 best = ShapeHit { t, face: 1 };
             }
         }
-        if (shape.kind & FLAG_TOP_OPEN) == 0u32 {
+        if (kind & FLAG_TOP_OPEN) == 0u32 {
             let t = (1.0 - ray.origin.z) / dz;
-            if t > t_min && t < best.t && within_radius(ray, t, shape.top_radius) {
+            if t > t_min && t < best.t && within_radius(ray, t, top_radius) {
                 best = ShapeHit { t, face: 2 };
             }
         }
-        if best.t >= t_max {
-            return no_hit();
-        }
+        best.t = select(NO_HIT, best.t, best.t < t_max);
         best
     }
 
-    pub fn on_lateral_surface(shape: ShapeRecord, ray: Ray, t: f32) -> bool {
+    pub fn on_lateral_surface(base_radius: f32, top_radius: f32, ray: Ray, t: f32) -> bool {
         let z = ray.origin.z + t * ray.direction.z;
-        let radius = shape.base_radius + (shape.top_radius - shape.base_radius) * z;
+        let radius = base_radius + (top_radius - base_radius) * z;
         // The mirror image of a cone beyond its apex has a negative radius.
         z >= 0.0 && z <= 1.0 && radius >= 0.0
     }
@@ -193,9 +193,16 @@ pub mod kernel {
     ///
     /// A triangle of a mesh reaches beyond its edges by the rounding error of the point there, so that rays do not
     /// slip through between neighbours, which round differently.
-    pub fn intersect_flat(features: u32, shape: ShapeRecord, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
-        let m = shape.object_from_world;
-        let kind = shape.kind & SHAPE_MASK;
+    pub fn intersect_flat(
+        features: u32,
+        flags: u32,
+        object_from_world: Affine,
+        ray: Ray,
+        t_min: f32,
+        t_max: f32,
+    ) -> ShapeHit {
+        let m = object_from_world;
+        let kind = flags & SHAPE_MASK;
         let mut across = m.row1;
         let is_plane = (features & (1u32 << SHAPE_PLANE)) != 0u32 && kind == SHAPE_PLANE;
         if is_plane {
@@ -203,26 +210,24 @@ pub mod kernel {
         }
         let slope = turn_row(across, ray.direction);
         let t = -transform_row(across, ray.origin) / away_from_zero(slope);
-        if t <= t_min || t >= t_max {
-            return no_hit();
+        let mut result = no_hit();
+        if t > t_min && t < t_max {
+            let x = transform_row(m.row0, ray.origin) + t * turn_row(m.row0, ray.direction);
+            let z = transform_row(m.row2, ray.origin) + t * turn_row(m.row2, ray.direction);
+            let mut inside = is_plane || (abs(x) <= 1.0 && z >= 0.0 && z <= 1.0);
+            if (features & (1u32 << SHAPE_TRIANGLE)) != 0u32 && kind == SHAPE_TRIANGLE {
+                let far = abs(ray.origin) + abs(ray.direction) * abs(t);
+                let margin_x = ROUNDING * transform_row(abs(m.row0), far);
+                let margin_z = ROUNDING * transform_row(abs(m.row2), far);
+                let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, slope < 0.0);
+                inside = x >= -margin_x
+                    && z >= -margin_z
+                    && x + z <= 1.0 + margin_x + margin_z
+                    && (flags & hidden) == 0u32;
+            }
+            result.t = select(NO_HIT, t, inside);
         }
-        let x = transform_row(m.row0, ray.origin) + t * turn_row(m.row0, ray.direction);
-        let z = transform_row(m.row2, ray.origin) + t * turn_row(m.row2, ray.direction);
-        let mut inside = is_plane || (abs(x) <= 1.0 && z >= 0.0 && z <= 1.0);
-        if (features & (1u32 << SHAPE_TRIANGLE)) != 0u32 && kind == SHAPE_TRIANGLE {
-            let far = abs(ray.origin) + abs(ray.direction) * abs(t);
-            let margin_x = ROUNDING * transform_row(abs(m.row0), far);
-            let margin_z = ROUNDING * transform_row(abs(m.row2), far);
-            let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, slope < 0.0);
-            inside = x >= -margin_x
-                && z >= -margin_z
-                && x + z <= 1.0 + margin_x + margin_z
-                && (shape.kind & hidden) == 0u32;
-        }
-        if inside {
-            return ShapeHit { t, face: 0 };
-        }
-        no_hit()
+        result
     }
 
     /// The first hit of a world-space ray with the shape at t in (`t_min`, `t_max`); `features` tells which shapes
@@ -234,21 +239,25 @@ pub mod kernel {
         t_min: f32,
         t_max: f32,
     ) -> ShapeHit {
-        let kind = shape.kind & SHAPE_MASK;
+        // All that is needed is fetched here, once for all kinds of shapes: processors with lanes fetch where they are told.
+        let object_from_world = shape.object_from_world;
+        let flags = shape.kind;
+        let kind = flags & SHAPE_MASK;
+        // One way out: lanes of processors pay for every return.
+        let mut result = no_hit();
         if kind >= SHAPE_PLANE {
-            return intersect_flat(features, shape, ray_world, t_min, t_max);
+            result = intersect_flat(features, flags, object_from_world, ray_world, t_min, t_max);
+        } else {
+            let ray = transform_ray(object_from_world, ray_world);
+            if (features & (1u32 << SHAPE_FRUSTUM)) != 0u32 && kind == SHAPE_FRUSTUM {
+                result = intersect_frustum(flags, shape.base_radius, shape.top_radius, ray, t_min, t_max);
+            } else if (features & (1u32 << SHAPE_SPHERE)) != 0u32 && kind == SHAPE_SPHERE {
+                result = intersect_sphere(ray, t_min, t_max);
+            } else if (features & (1u32 << SHAPE_BOX)) != 0u32 {
+                result = intersect_box(ray, t_min, t_max);
+            }
         }
-        let ray = transform_ray(shape.object_from_world, ray_world);
-        if (features & (1u32 << SHAPE_FRUSTUM)) != 0u32 && kind == SHAPE_FRUSTUM {
-            return intersect_frustum(shape, ray, t_min, t_max);
-        }
-        if (features & (1u32 << SHAPE_SPHERE)) != 0u32 && kind == SHAPE_SPHERE {
-            return intersect_sphere(ray, t_min, t_max);
-        }
-        if (features & (1u32 << SHAPE_BOX)) != 0u32 {
-            return intersect_box(ray, t_min, t_max);
-        }
-        no_hit()
+        result
     }
 
     /// Moves a point in object space exactly onto the surface that was hit, which makes its error independent

@@ -150,36 +150,35 @@ pub mod kernel {
         let shape = S::shape(scene, index);
         let mut found = before;
         let mut t_min: f32 = 0.0;
-        #[wgsl_allow(non_literal_loop_bounds)]
-        for attempt in 0..MAX_HITS_PER_OBJECT {
+        let mut attempt: u32 = 0;
+        // One way out: lanes of processors pay for every return.
+        while attempt < MAX_HITS_PER_OBJECT {
             let hit = intersect_shape(S::features(scene), shape, ray, t_min, found.hit.shape.t);
-            if hit.t >= NO_HIT {
-                return found;
-            }
-            let mut passes = vec3f(0.0, 0.0, 0.0);
-            if has::<S>(scene, FEATURE_HOLES) && (shape.kind & FLAG_NOT_OPAQUE) != 0u32 {
-                let material = material_hit::<S>(scene, shape, ray, hit);
-                let at = hit_texture_point::<S>(scene, instance, index, shape, material, ray, hit);
-                let through_bodies = quest.purpose == SEARCH_LIGHT_THROUGH_BODIES;
-                passes = surface_transmittance::<S>(scene, material, at, through_bodies);
-                if quest.purpose == SEARCH_HIT {
-                    let source = S::surface(scene, index).source;
-                    let opacity = 1.0 - smallest(passes);
-                    let triangle = u32(shape.top_radius);
-                    let met = is_met(quest, attempt, instance, source, triangle, opacity);
-                    passes = select(vec3f(1.0, 1.0, 1.0), vec3f(0.0, 0.0, 0.0), met);
+            let mut goes_on = hit.t < NO_HIT;
+            if goes_on {
+                let mut passes = vec3f(0.0, 0.0, 0.0);
+                if has::<S>(scene, FEATURE_HOLES) && (shape.kind & FLAG_NOT_OPAQUE) != 0u32 {
+                    let material = material_hit::<S>(scene, shape, ray, hit);
+                    let at = hit_texture_point::<S>(scene, instance, index, shape, material, ray, hit);
+                    let through_bodies = quest.purpose == SEARCH_LIGHT_THROUGH_BODIES;
+                    passes = surface_transmittance::<S>(scene, material, at, through_bodies);
+                    if quest.purpose == SEARCH_HIT {
+                        let source = S::surface(scene, index).source;
+                        let opacity = 1.0 - smallest(passes);
+                        let triangle = u32(shape.top_radius);
+                        let met = is_met(quest, attempt, instance, source, triangle, opacity);
+                        passes = select(vec3f(1.0, 1.0, 1.0), vec3f(0.0, 0.0, 0.0), met);
+                    }
                 }
-            }
-            if quest.purpose != SEARCH_HIT {
-                found.passed *= passes;
-            }
-            if is_dark(passes) {
-                if quest.purpose == SEARCH_HIT {
+                goes_on = !is_dark(passes);
+                if quest.purpose != SEARCH_HIT {
+                    found.passed *= passes;
+                } else if !goes_on {
                     found.hit = Hit { shape: hit, object: index, instance };
                 }
-                return found;
+                t_min = hit.t;
             }
-            t_min = hit.t;
+            attempt = select(MAX_HITS_PER_OBJECT, attempt + 1u32, goes_on);
         }
         found
     }
@@ -207,30 +206,35 @@ pub mod kernel {
         let mut unbounded: u32 = 0;
         let mut searching = true;
         while searching {
+            // Children of the node that are objects: those that wait, all of them, and the first one.
             let mut objects: u32 = 0;
+            let mut leaves: u32 = 0;
             let mut first_object: u32 = 0;
             if any_waits(children) {
-                let index = next_node(children, order);
+                let mut index = next_node(children, order);
                 children = without_next(children);
                 if any_waits(children) {
                     stack_first[stacked as usize] = children.x;
                     stack_bits[stacked as usize] = children.y;
                     stacked += 1;
                 }
-                let node = S::node(scene, index);
-                if has::<S>(scene, 1u32 << SHAPE_INSTANCE) && node.exponents == NODE_INSTANCE {
-                    instance = node.first_object;
+                if has::<S>(scene, 1u32 << SHAPE_INSTANCE) && S::node(scene, index).exponents == NODE_INSTANCE
+                {
+                    // The root of the group is visited at once.
+                    let entrance = S::node(scene, index);
+                    instance = entrance.first_object;
                     local = transform_ray(S::shape(scene, instance).object_from_world, ray);
                     inverse = inverse_direction(local.direction);
                     order = visiting_order(inverse);
                     outside = stacked;
-                    children = waiting_root(node.first_node);
-                } else {
-                    let reached = S::reached_children(scene, index, local.origin, inverse, found.hit.shape.t);
-                    children = waiting_children(node, reached, order);
-                    first_object = node.first_object;
-                    objects = leaf_objects(node, reached & (255u32 ^ (node.exponents >> 24u32)));
+                    index = entrance.first_node;
                 }
+                let node = S::node(scene, index);
+                let reached = S::reached_children(scene, index, local.origin, inverse, found.hit.shape.t);
+                children = waiting_children(node, reached, order);
+                first_object = node.first_object;
+                leaves = node.leaves;
+                objects = reached & leaves;
             }
             // One place that tests objects, so that graphics cards hold the code once.
             while objects != 0u32 || unbounded < header.unbounded_objects {
@@ -238,12 +242,16 @@ pub mod kernel {
                 if unbounded < header.unbounded_objects {
                     unbounded += 1;
                 } else {
-                    index = first_object + count_trailing_zeros(objects);
+                    index = first_object + children_before(leaves, count_trailing_zeros(objects));
                     objects &= objects - 1u32;
                 }
                 found = meet_object::<S>(scene, instance, index, local, quest, found);
                 if is_dark(found.passed) {
-                    return found;
+                    // Nothing is left to look for.
+                    objects = 0;
+                    unbounded = header.unbounded_objects;
+                    children = vec2u(0, 0);
+                    stacked = 0;
                 }
             }
             if !any_waits(children) {

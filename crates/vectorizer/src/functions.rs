@@ -10,7 +10,7 @@ pub(crate) fn reachable_functions(
 ) -> Result<Vec<Handle<Function>>, VectorizeError> {
     let mut needed = vec![false; module.functions.len()];
     let mut open = Vec::new();
-    for (name, _) in options.roots.iter().chain(options.hooks) {
+    for (name, _) in options.roots {
         open.push(function_named(module, name)?);
     }
     for (name, _) in options.together {

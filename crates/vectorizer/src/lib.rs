@@ -32,9 +32,6 @@ use uniformity::Uniformity;
 pub struct Options<'a> {
     /// Functions that are called from outside, and which of their parameters may differ between rays.
     pub roots: &'a [(&'a str, &'a [bool])],
-    /// As the roots; where they are called, a function of the same name in `hooks` is called instead, which may call
-    /// them in turn.
-    pub hooks: &'a [(&'a str, &'a [bool])],
     /// Functions that are written once more for one of their parameters, of one word or a record, being the same for
     /// all rays. Where it may differ, the rays are asked whether it does.
     pub together: &'a [(&'a str, usize)],
@@ -43,8 +40,8 @@ pub struct Options<'a> {
 }
 
 /// The Rust text of kernels and all that they call. It is meant to be included where the names of a module of `lanes`
-/// such as `lanes::avx512`, those of `lanes` itself and a module `hooks` are in scope; it defines `Globals`, which
-/// gives access to the tables, next to the structures and functions of the kernels.
+/// such as `lanes::avx512` and those of `lanes` itself are in scope; it defines `Globals`, which gives access to the
+/// tables, next to the structures and functions of the kernels.
 ///
 /// # Errors
 /// If the text is no valid WGSL, a named function is missing, or something is used that has no lanes.
@@ -85,15 +82,10 @@ pub(crate) struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    fn is_hook(&self, function: naga::Handle<naga::Function>) -> bool {
-        let name = self.module.functions[function].name.as_deref().unwrap_or_default();
-        self.options.hooks.iter().any(|(hook, _)| *hook == name)
-    }
-
     /// `Globals`: the tables as words, and what is the same for all of a launch.
     fn write_globals(&self, text: &mut String) -> Result<(), VectorizeError> {
         text.push_str("/// What the kernels read.\n#[derive(Clone, Copy)]\npub struct Globals<'a> {\n");
-        text.push_str("    pub host: Host<'a>,\n    pub own: &'a Own,\n");
+        text.push_str("    pub own: &'a Own,\n");
         for (_, global) in self.module.global_variables.iter() {
             let name = global.name.as_deref().unwrap_or_default();
             match global.space {

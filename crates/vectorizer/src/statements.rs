@@ -178,10 +178,9 @@ impl Writer<'_> {
             given.push(self.value(scope, *argument, *uniform)?);
         }
         let name = self.module.functions[function].name.as_deref().unwrap_or_default();
-        let module = if self.is_hook(function) { "hooks::" } else { "" };
         let call = |name: &str, given: &[String]| {
             let given: String = given.iter().map(|value| format!(", {value}")).collect();
-            format!("{module}{name}(globals, live{given})")
+            format!("{name}(globals, live{given})")
         };
         let otherwise = call(name, &given);
         let Some((copy, agreed)) = self.uniformity.together(function) else { return Ok(otherwise) };

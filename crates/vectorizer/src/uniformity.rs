@@ -59,7 +59,7 @@ impl Uniformity {
                 facts.result = false;
             }
         }
-        for (name, varying) in options.roots.iter().chain(options.hooks) {
+        for (name, varying) in options.roots {
             let handle = function_named(module, name)?;
             if let Some(facts) = found.functions.get_mut(&handle) {
                 for (uniform, varies) in facts.arguments.iter_mut().zip(*varying) {

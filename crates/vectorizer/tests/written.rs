@@ -6,7 +6,7 @@
 use vectorizer::{Options, VectorizeError, vectorize};
 
 fn written(wgsl: &str, root: (&str, &[bool])) -> Result<String, VectorizeError> {
-    vectorize(wgsl, Options { roots: &[root], hooks: &[], together: &[], target_features: "avx2" })
+    vectorize(wgsl, Options { roots: &[root], together: &[], target_features: "avx2" })
 }
 
 #[test]
@@ -63,7 +63,6 @@ fn rays_that_agree_take_another_form_of_a_function() {
         fn one(i: u32, x: f32) -> f32 { return area(LEAVES[i], x); }";
     let options = Options {
         roots: &[("f", &[true, true]), ("one", &[false, true])],
-        hooks: &[],
         together: &[("area", 0)],
         target_features: "avx2",
     };

@@ -18,8 +18,6 @@ pub(super) struct BinaryTree {
 struct BinaryNode {
     aabb: Aabb,
     below: Below,
-    /// Number of boxes below.
-    count: usize,
 }
 
 #[derive(Clone, Copy)]
@@ -55,7 +53,7 @@ impl BinaryTree {
             } else {
                 Below::Children(first)
             };
-            BinaryNode { aabb: *node.aabb(), below, count: 0 }
+            BinaryNode { aabb: *node.aabb(), below }
         }));
         // Boxes that share a leaf in spite of the parameters.
         for number in 0..bvh.nodes.len() {
@@ -66,17 +64,15 @@ impl BinaryTree {
                 tree.halve(boxes, number, &mut members);
             }
         }
-        tree.count_boxes();
         tree
     }
 
     /// A tree that is as flat as a binary one can be: boxes are halved along the longest axis again and again.
     pub fn of_least_depth(boxes: &[Aabb]) -> Self {
         let mut members: Vec<u32> = (0..).zip(boxes).map(|(index, _)| index).collect();
-        let root = BinaryNode { aabb: Aabb::empty(), below: Below::Box(0), count: 0 };
+        let root = BinaryNode { aabb: Aabb::empty(), below: Below::Box(0) };
         let mut tree = BinaryTree { nodes: vec![root] };
         tree.halve(boxes, 0, &mut members);
-        tree.count_boxes();
         tree
     }
 
@@ -107,7 +103,7 @@ impl BinaryTree {
             self.nodes[number].below = Below::Children(left);
             for part in [range.start..range.start + half, range.start + half..range.end] {
                 open.push((self.nodes.len(), part));
-                self.nodes.push(BinaryNode { aabb: Aabb::empty(), below: Below::Box(0), count: 0 });
+                self.nodes.push(BinaryNode { aabb: Aabb::empty(), below: Below::Box(0) });
             }
         }
     }
@@ -125,15 +121,6 @@ impl BinaryTree {
         visited.into_iter().rev()
     }
 
-    fn count_boxes(&mut self) {
-        for number in self.bottom_up() {
-            self.nodes[number].count = match self.nodes[number].below {
-                Below::Children(left) => self.nodes[left].count + self.nodes[left + 1].count,
-                Below::Box(_) => 1,
-            };
-        }
-    }
-
     /// Number of nodes; some may not belong to the tree.
     pub fn len(&self) -> usize {
         self.nodes.len()
@@ -147,11 +134,6 @@ impl BinaryTree {
         &self.nodes[node].aabb
     }
 
-    /// Number of boxes below a node.
-    pub fn count(&self, node: NodeNumber) -> usize {
-        self.nodes[node].count
-    }
-
     /// Both children of a node, unless it is a leaf.
     pub fn halves(&self, node: NodeNumber) -> Option<[NodeNumber; 2]> {
         match self.nodes[node].below {
@@ -160,17 +142,12 @@ impl BinaryTree {
         }
     }
 
-    /// Numbers of the boxes below a node.
-    pub fn boxes(&self, node: NodeNumber) -> Vec<u32> {
-        let mut found = Vec::with_capacity(self.count(node));
-        let mut open = vec![node];
-        while let Some(number) = open.pop() {
-            match self.nodes[number].below {
-                Below::Children(left) => open.extend([left + 1, left]),
-                Below::Box(index) => found.push(index),
-            }
+    /// Number of the box that a leaf holds.
+    pub fn single_box(&self, node: NodeNumber) -> Option<u32> {
+        match self.nodes[node].below {
+            Below::Children(_) => None,
+            Below::Box(index) => Some(index),
         }
-        found
     }
 }
 
@@ -208,10 +185,9 @@ mod tests {
         for number in [1, 2, 3, 100] {
             let boxes = &boxes[..number];
             for tree in [BinaryTree::by_surface_area(boxes), BinaryTree::of_least_depth(boxes)] {
-                let mut found = tree.boxes(tree.root());
+                let mut found: Vec<u32> = tree.bottom_up().filter_map(|node| tree.single_box(node)).collect();
                 found.sort_unstable();
                 assert_eq!(found, (0..number as u32).collect::<Vec<_>>());
-                assert_eq!(tree.count(tree.root()), number);
             }
         }
     }

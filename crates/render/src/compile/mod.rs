@@ -15,12 +15,12 @@ mod materials;
 mod node_encoding;
 mod noise;
 mod objects;
+mod outline;
 mod scene_hash;
 mod texels;
 mod triangles;
 mod unit_shapes;
 
-pub(crate) use bvh::LEAF_OBJECTS;
 pub use camera::View;
 
 use crate::compile::materials::Materials;

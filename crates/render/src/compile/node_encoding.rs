@@ -15,8 +15,8 @@ pub(super) struct Child {
 pub(super) enum Content {
     /// Another node.
     Node,
-    /// So many objects.
-    Objects(usize),
+    /// An object.
+    Object,
 }
 
 /// By so many cells, beyond rounding to whole ones, boxes reach further than their objects: more than what the
@@ -86,8 +86,6 @@ pub(super) fn encode(children: &Slots<Child>, first_node: u32, first_object: u32
     // Where there is no child the box is empty: its lower end is above the upper one.
     let mut low_cells = [[255u8; 8]; 3];
     let mut high_cells = [[0u8; 8]; 3];
-    let mut leaves = [0u8; 8];
-    let mut objects = 0;
     for (slot, child) in children.iter().enumerate() {
         let Some(child) = child else { continue };
         let (low, high) = (child.aabb.min.to_array(), child.aabb.max.to_array());
@@ -99,10 +97,7 @@ pub(super) fn encode(children: &Slots<Child>, first_node: u32, first_object: u32
         }
         match child.content {
             Content::Node => node.exponents |= 1 << (24 + slot),
-            Content::Objects(count) => {
-                leaves[slot] = (count << 5 | objects) as u8;
-                objects += count;
-            }
+            Content::Object => node.leaves |= 1 << slot,
         }
     }
     let words = |bytes: [u8; 8]| {
@@ -113,7 +108,6 @@ pub(super) fn encode(children: &Slots<Child>, first_node: u32, first_object: u32
         let ([a, b], [c, d]) = (words(first), words(second));
         vec4u(a, b, c, d)
     };
-    [node.leaves0, node.leaves1] = words(leaves);
     node.low_xy = pair(low_cells[0], low_cells[1]);
     node.low_z_high_x = pair(low_cells[2], high_cells[0]);
     node.high_yz = pair(high_cells[1], high_cells[2]);
@@ -123,8 +117,8 @@ pub(super) fn encode(children: &Slots<Child>, first_node: u32, first_object: u32
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kernels::bvh::kernel::{cell_edge, in_order, leaf_objects, next_node, reached_boxes, visiting_order};
-    use kernels::bvh::kernel::{waiting_children, without_next};
+    use kernels::bvh::kernel::{cell_edge, children_before, in_order, next_node, reached_boxes};
+    use kernels::bvh::kernel::{visiting_order, waiting_children, without_next};
     use kernels::traversal::kernel::inverse_direction;
 
     fn children(number: usize, size: f32, distance: f32) -> Vec<Child> {
@@ -133,7 +127,7 @@ mod tests {
                 let low =
                     [(i % 3) as f32 * size + distance, (i % 2) as f32 * size - distance, i as f32 * size];
                 let high = [low[0] + 0.3 * size, low[1], low[2] + 0.01 * size];
-                let content = if i % 3 == 0 { Content::Node } else { Content::Objects(i % 3) };
+                let content = if i % 3 == 0 { Content::Node } else { Content::Object };
                 Child { aabb: Aabb::new(low.into(), high.into()), content }
             })
             .collect()
@@ -184,7 +178,7 @@ mod tests {
             .map(|i| {
                 let low = corner(i);
                 let aabb = Aabb::new(low.into(), low.map(|x| x + 1.0).into());
-                Child { aabb, content: if i < 4 { Content::Node } else { Content::Objects(2) } }
+                Child { aabb, content: if i < 4 { Content::Node } else { Content::Object } }
             })
             .collect();
         let slots = arrange_in_slots(children, |child| child.aabb);
@@ -214,10 +208,9 @@ mod tests {
                 let rest = without_next(waiting);
                 assert_eq!(next_node(rest, order), 100 + (reached & !(1 << nearest)).trailing_zeros());
             } else {
-                // The upper one holds objects, two for each corner.
-                let leaf = reached & 0b1111_0000;
-                let objects = leaf_objects(node, leaf);
-                assert_eq!(objects, 0b11 << (2 * (i - 4)));
+                // The upper one is an object.
+                assert_eq!(reached & node.leaves, 1 << i);
+                assert_eq!(children_before(node.leaves, i as u32), i as u32 - 4);
                 // The lower one is visited afterwards.
                 assert_eq!(next_node(waiting, order), 100 + (i as u32 - 4));
             }

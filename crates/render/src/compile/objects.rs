@@ -8,7 +8,7 @@ use super::{Acceleration, CompileError, affine, count};
 use kernels::records::kernel::{
     FLAG_NOT_OPAQUE, NONE, ObjectRecord, SHAPE_INSTANCE, ShapeRecord, SurfaceRecord,
 };
-use scene::{DAffine3, DVec3, MeshId, Object, Origin, Scene, Shape, VisibleSides, transformed_box};
+use scene::{DAffine3, DVec3, MeshId, Object, Origin, Scene, Shape, VisibleSides};
 use std::collections::HashMap;
 
 /// Objects as records with their boxes.
@@ -18,14 +18,23 @@ pub(super) struct Primitives {
     pub bounded: Vec<ObjectRecord>,
     /// Box of every bounded object as (minimum, maximum), in the same order.
     pub boxes: Vec<(DVec3, DVec3)>,
+    pub instances: Vec<PlacedGroup>,
+}
+
+/// An instance of a compiled group.
+pub(super) struct PlacedGroup {
+    /// With the number of the group in the field `material`.
+    pub record: ObjectRecord,
+    pub group: usize,
+    /// Where the records of the group stand.
+    pub local_from_group: DAffine3,
 }
 
 /// All objects of a scene.
 pub(super) struct Objects {
-    /// Those that stand for themselves, and the instances; these have the number of their group in the field
-    /// `material`.
+    /// Those that stand for themselves, and the instances.
     pub scene: Primitives,
-    /// Members of the groups that instances refer to, at least two in each.
+    /// Members of the groups that instances refer to, at least two in each and none of them an instance.
     pub groups: Vec<Primitives>,
     /// Table of the attributes of triangles, and of the frames of objects whose materials look at the position.
     pub attributes: Vec<[f32; 4]>,
@@ -109,8 +118,6 @@ struct Compiler<'a> {
 struct Outline {
     /// Its middle: its records are relative to it, so that their numbers are small.
     centre: DVec3,
-    /// The box of all members, relative to the centre.
-    corners: (DVec3, DVec3),
     /// Flags that some member has.
     flags: u32,
 }
@@ -167,9 +174,8 @@ impl Compiler<'_> {
             return None;
         }
         let flags = level.bounded.iter().fold(0, |all, object| all | object.shape.kind) & FLAG_NOT_OPAQUE;
-        let corners = level.boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
         self.objects.groups.push(level);
-        self.outlines.push(Outline { centre, corners, flags });
+        self.outlines.push(Outline { centre, flags });
         Some(self.objects.groups.len() - 1)
     }
 
@@ -258,7 +264,7 @@ impl Compiler<'_> {
         local_from_group: &DAffine3,
         source: u32,
     ) -> Result<(), CompileError> {
-        let Outline { centre, corners, flags } = self.outlines[group];
+        let Outline { centre, flags } = self.outlines[group];
         let unit = UnitShape {
             kind: SHAPE_INSTANCE,
             local_from_unit: *local_from_group * DAffine3::from_translation(centre),
@@ -268,8 +274,7 @@ impl Compiler<'_> {
             attributes: NONE,
         };
         let record = self.record(&unit, count(group), flags, source, NONE)?;
-        level.bounded.push(record);
-        level.boxes.push(transformed_box(corners, &unit.local_from_unit));
+        level.instances.push(PlacedGroup { record, group, local_from_group: unit.local_from_unit });
         Ok(())
     }
 

@@ -93,9 +93,9 @@ struct CpuScene {
 /// Height of the tiles that nobody has chosen a size for; they are as wide as the picture.
 const TILE_ROWS: usize = 4;
 
-/// Edge of the squares of pixels that are rendered at a time in lanes.
+/// Edge of the squares of pixels that stand side by side in lanes.
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-const GROUP_EDGE: usize = 4;
+const SQUARE_EDGE: usize = 4;
 
 impl LoadedScene for CpuScene {
     fn set_view(&mut self, view: &View) -> Result<(), DeviceError> {
@@ -114,20 +114,12 @@ impl LoadedScene for CpuScene {
         let is_plain = self.is_plain();
         #[cfg(target_arch = "x86_64")]
         if let Some(scene) = lanes::LaneScene::new(self, launch, settings.renderer, self.lanes) {
-            let workspaces = lanes::Workspaces::default;
-            return self.for_groups(
-                settings,
-                batch,
-                pixels,
-                progress,
-                workspaces,
-                |workspaces, places, pixels| {
-                    let taken =
-                        pixels.iter().map(|pixel| u64::from(launched_samples(launch, pixel.samples))).sum();
-                    scene.render_pixels(workspaces, places, pixels);
-                    taken
-                },
-            );
+            return self.for_squares(settings, batch, pixels, progress, |places, pixels| {
+                let taken = |pixel: &FilmPixel| u64::from(launched_samples(launch, pixel.samples));
+                let taken = pixels.iter().map(taken).sum();
+                scene.render_pixels(places, pixels);
+                taken
+            });
         }
         self.for_pixels(settings, batch, pixels, progress, |x, y, pixel| {
             let taken = launched_samples(launch, pixel.samples);
@@ -199,39 +191,33 @@ impl CpuScene {
         })
     }
 
-    /// Calls `work` for squares of pixels, given where they are and something made for the tile; it returns the number of
-    /// samples that it took.
+    /// Calls `work` for the pixels of every tile, given where they are, squares of pixels one after another; it returns the
+    /// number of samples that it took.
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-    fn for_groups<P: Copy + Send, T>(
+    fn for_squares<P: Copy + Send>(
         &self,
         settings: &RenderSettings,
         batch: &Batch,
         pixels: &mut [P],
         progress: &Progress<'_>,
-        for_tile: impl Fn() -> T + Sync,
-        work: impl Fn(&T, &[(u32, u32)], &mut [P]) -> u64 + Sync,
+        work: impl Fn(&[(u32, u32)], &mut [P]) -> u64 + Sync,
     ) -> Result<(), DeviceError> {
         self.for_tiles(settings, batch, pixels, progress, |x, y, mut rows| {
-            let mut taken = 0;
-            let made = for_tile();
             let width = rows.first().map_or(0, |row| row.len());
-            let mut group = Vec::with_capacity(GROUP_EDGE * GROUP_EDGE);
-            let mut places = Vec::with_capacity(GROUP_EDGE * GROUP_EDGE);
-            for (band, rows) in rows.chunks_mut(GROUP_EDGE).enumerate() {
-                for start in (0..width).step_by(GROUP_EDGE) {
-                    let columns = start..width.min(start + GROUP_EDGE);
-                    group.clear();
-                    places.clear();
-                    for (row, line) in rows.iter().enumerate() {
-                        group.extend_from_slice(&line[columns.clone()]);
-                        let y = y + (band * GROUP_EDGE + row) as u32;
-                        places.extend(columns.clone().map(|column| (x + column as u32, y)));
-                    }
-                    taken += work(&made, &places, &mut group);
-                    for (line, group) in rows.iter_mut().zip(group.chunks(columns.len())) {
-                        line[columns.clone()].copy_from_slice(group);
+            let mut order = Vec::with_capacity(width * rows.len());
+            for band in (0..rows.len()).step_by(SQUARE_EDGE) {
+                for start in (0..width).step_by(SQUARE_EDGE) {
+                    for row in band..rows.len().min(band + SQUARE_EDGE) {
+                        order.extend((start..width.min(start + SQUARE_EDGE)).map(|column| (column, row)));
                     }
                 }
+            }
+            let places: Vec<(u32, u32)> =
+                order.iter().map(|&(column, row)| (x + column as u32, y + row as u32)).collect();
+            let mut pixels: Vec<P> = order.iter().map(|&(column, row)| rows[row][column]).collect();
+            let taken = work(&places, &mut pixels);
+            for (&(column, row), pixel) in order.iter().zip(pixels) {
+                rows[row][column] = pixel;
             }
             taken
         })

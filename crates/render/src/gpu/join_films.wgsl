@@ -9,8 +9,8 @@ struct BvhNode {
     exponents: u32,
     first_node: u32,
     first_object: u32,
-    leaves0: u32,
-    leaves1: u32,
+    leaves: u32,
+    unused: u32,
     low_xy: vec4u,
     low_z_high_x: vec4u,
     high_yz: vec4u

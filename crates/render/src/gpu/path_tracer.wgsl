@@ -11,8 +11,8 @@ struct BvhNode {
     exponents: u32,
     first_node: u32,
     first_object: u32,
-    leaves0: u32,
-    leaves1: u32,
+    leaves: u32,
+    unused: u32,
     low_xy: vec4u,
     low_z_high_x: vec4u,
     high_yz: vec4u
@@ -373,17 +373,17 @@ fn intersect_sphere(ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
     let p = (ray.origin + (ray.direction * t_mid));
     let a = dot(ray.direction, ray.direction);
     let discriminant = (1.0 - dot(p, p));
-    if (discriminant < 0.0) {
-        return no_hit();
+    var result = no_hit();
+    if (discriminant >= 0.0) {
+        let half = sqrt((discriminant / a));
+        let near = (t_mid - half);
+        let far = (t_mid + half);
+        let enters = ((near > t_min) && (near < t_max));
+        if (enters || ((far > t_min) && (far < t_max))) {
+            result.t = select(far, near, enters);
+        }
     }
-    let half = sqrt((discriminant / a));
-    if (((t_mid - half) > t_min) && ((t_mid - half) < t_max)) {
-        return ShapeHit((t_mid - half), 0u);
-    }
-    if (((t_mid + half) > t_min) && ((t_mid + half) < t_max)) {
-        return ShapeHit((t_mid + half), 0u);
-    }
-    return no_hit();
+    return result;
 }
 
 fn away_from_zero(x: f32) -> f32 {
@@ -395,43 +395,45 @@ fn away_from_zero(x: f32) -> f32 {
 
 fn intersect_box(ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
     let d = vec3f(away_from_zero(ray.direction.x), away_from_zero(ray.direction.y), away_from_zero(ray.direction.z));
-    let centre = (-ray.origin / d);
-    let half = (vec3f(1.0, 1.0, 1.0) / abs(d));
+    let inverse = (vec3f(1.0, 1.0, 1.0) / d);
+    let centre = (-ray.origin * inverse);
+    let half = abs(inverse);
     let enter = (centre - half);
     let leave = (centre + half);
     let t_in = max(enter.x, max(enter.y, enter.z));
     let t_out = min(leave.x, min(leave.y, leave.z));
-    if (t_in > t_out) {
-        return no_hit();
+    var result = no_hit();
+    if (t_in <= t_out) {
+        let from_outside = (t_in > t_min);
+        let t = select(t_out, t_in, from_outside);
+        let side = select(d, -d, from_outside);
+        let per_axis = select(leave, enter, from_outside);
+        if ((t > t_min) && (t < t_max)) {
+            let x = select(0u, 1u, (side.x > 0.0));
+            let y = select(2u, 3u, (side.y > 0.0));
+            let z = select(4u, 5u, (side.z > 0.0));
+            let face = select(select(z, y, (t == per_axis.y)), x, (t == per_axis.x));
+            result = ShapeHit(t, face);
+        }
     }
-    var t = t_in;
-    var side = vec3f(-d.x, -d.y, -d.z);
-    var per_axis = enter;
-    if (t <= t_min) {
-        t = t_out;
-        side = d;
-        per_axis = leave;
-    }
-    if ((t <= t_min) || (t >= t_max)) {
-        return no_hit();
-    }
-    if (t == per_axis.x) {
-        return ShapeHit(t, select(0u, 1u, (side.x > 0.0)));
-    }
-    if (t == per_axis.y) {
-        return ShapeHit(t, select(2u, 3u, (side.y > 0.0)));
-    }
-    return ShapeHit(t, select(4u, 5u, (side.z > 0.0)));
+    return result;
 }
 
-fn intersect_frustum(shape: ShapeRecord, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+fn intersect_frustum(
+    kind: u32,
+    base_radius: f32,
+    top_radius: f32,
+    ray: Ray,
+    t_min: f32,
+    t_max: f32,
+) -> ShapeHit {
     var best = no_hit();
     best.t = t_max;
-    let slope = (shape.top_radius - shape.base_radius);
+    let slope = (top_radius - base_radius);
     let t_mid = closest_approach(ray, vec3f(0.0, 0.0, 0.5));
     let p = (ray.origin + (ray.direction * t_mid));
     let d = ray.direction;
-    let radius = (shape.base_radius + (slope * p.z));
+    let radius = (base_radius + (slope * p.z));
     let a = (((d.x * d.x) + (d.y * d.y)) - (((slope * slope) * d.z) * d.z));
     let half_b = (((p.x * d.x) + (p.y * d.y)) - ((radius * slope) * d.z));
     let c = (((p.x * p.x) + (p.y * p.y)) - (radius * radius));
@@ -443,36 +445,34 @@ fn intersect_frustum(shape: ShapeRecord, ray: Ray, t_min: f32, t_max: f32) -> Sh
         let t1 = (t_mid + (q / away_from_zero(a)));
         let near = min(t0, t1);
         let far = max(t0, t1);
-        if ((on_lateral_surface(shape, ray, near) && (near > t_min)) && (near < best.t)) {
+        if ((on_lateral_surface(base_radius, top_radius, ray, near) && (near > t_min)) && (near < best.t)) {
             best.t = near;
         } else {
-            if ((on_lateral_surface(shape, ray, far) && (far > t_min)) && (far < best.t)) {
+            if ((on_lateral_surface(base_radius, top_radius, ray, far) && (far > t_min)) && (far < best.t)) {
                 best.t = far;
             }
         }
     }
     let dz = away_from_zero(d.z);
-    if ((shape.kind & FLAG_BASE_OPEN) == 0u) {
+    if ((kind & FLAG_BASE_OPEN) == 0u) {
         let t = (-ray.origin.z / dz);
-        if (((t > t_min) && (t < best.t)) && within_radius(ray, t, shape.base_radius)) {
+        if (((t > t_min) && (t < best.t)) && within_radius(ray, t, base_radius)) {
             best = ShapeHit(t, 1u);
         }
     }
-    if ((shape.kind & FLAG_TOP_OPEN) == 0u) {
+    if ((kind & FLAG_TOP_OPEN) == 0u) {
         let t = ((1.0 - ray.origin.z) / dz);
-        if (((t > t_min) && (t < best.t)) && within_radius(ray, t, shape.top_radius)) {
+        if (((t > t_min) && (t < best.t)) && within_radius(ray, t, top_radius)) {
             best = ShapeHit(t, 2u);
         }
     }
-    if (best.t >= t_max) {
-        return no_hit();
-    }
+    best.t = select(NO_HIT, best.t, (best.t < t_max));
     return best;
 }
 
-fn on_lateral_surface(shape: ShapeRecord, ray: Ray, t: f32) -> bool {
+fn on_lateral_surface(base_radius: f32, top_radius: f32, ray: Ray, t: f32) -> bool {
     let z = (ray.origin.z + (t * ray.direction.z));
-    let radius = (shape.base_radius + ((shape.top_radius - shape.base_radius) * z));
+    let radius = (base_radius + ((top_radius - base_radius) * z));
     return (((z >= 0.0) && (z <= 1.0)) && (radius >= 0.0));
 }
 
@@ -484,13 +484,14 @@ fn within_radius(ray: Ray, t: f32, radius: f32) -> bool {
 
 fn intersect_flat(
     features: u32,
-    shape: ShapeRecord,
+    flags: u32,
+    object_from_world: Affine,
     ray: Ray,
     t_min: f32,
     t_max: f32,
 ) -> ShapeHit {
-    let m = shape.object_from_world;
-    let kind = (shape.kind & SHAPE_MASK);
+    let m = object_from_world;
+    let kind = (flags & SHAPE_MASK);
     var across = m.row1;
     let is_plane = (((features & (1u << SHAPE_PLANE)) != 0u) && (kind == SHAPE_PLANE));
     if is_plane {
@@ -498,23 +499,21 @@ fn intersect_flat(
     }
     let slope = turn_row(across, ray.direction);
     let t = (-transform_row(across, ray.origin) / away_from_zero(slope));
-    if ((t <= t_min) || (t >= t_max)) {
-        return no_hit();
+    var result = no_hit();
+    if ((t > t_min) && (t < t_max)) {
+        let x = (transform_row(m.row0, ray.origin) + (t * turn_row(m.row0, ray.direction)));
+        let z = (transform_row(m.row2, ray.origin) + (t * turn_row(m.row2, ray.direction)));
+        var inside = (is_plane || (((abs(x) <= 1.0) && (z >= 0.0)) && (z <= 1.0)));
+        if (((features & (1u << SHAPE_TRIANGLE)) != 0u) && (kind == SHAPE_TRIANGLE)) {
+            let far = (abs(ray.origin) + (abs(ray.direction) * abs(t)));
+            let margin_x = (ROUNDING * transform_row(abs(m.row0), far));
+            let margin_z = (ROUNDING * transform_row(abs(m.row2), far));
+            let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, (slope < 0.0));
+            inside = ((((x >= -margin_x) && (z >= -margin_z)) && ((x + z) <= ((1.0 + margin_x) + margin_z))) && ((flags & hidden) == 0u));
+        }
+        result.t = select(NO_HIT, t, inside);
     }
-    let x = (transform_row(m.row0, ray.origin) + (t * turn_row(m.row0, ray.direction)));
-    let z = (transform_row(m.row2, ray.origin) + (t * turn_row(m.row2, ray.direction)));
-    var inside = (is_plane || (((abs(x) <= 1.0) && (z >= 0.0)) && (z <= 1.0)));
-    if (((features & (1u << SHAPE_TRIANGLE)) != 0u) && (kind == SHAPE_TRIANGLE)) {
-        let far = (abs(ray.origin) + (abs(ray.direction) * abs(t)));
-        let margin_x = (ROUNDING * transform_row(abs(m.row0), far));
-        let margin_z = (ROUNDING * transform_row(abs(m.row2), far));
-        let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, (slope < 0.0));
-        inside = ((((x >= -margin_x) && (z >= -margin_z)) && ((x + z) <= ((1.0 + margin_x) + margin_z))) && ((shape.kind & hidden) == 0u));
-    }
-    if inside {
-        return ShapeHit(t, 0u);
-    }
-    return no_hit();
+    return result;
 }
 
 fn intersect_shape(
@@ -524,21 +523,23 @@ fn intersect_shape(
     t_min: f32,
     t_max: f32,
 ) -> ShapeHit {
-    let kind = (shape.kind & SHAPE_MASK);
+    let object_from_world = shape.object_from_world;
+    let flags = shape.kind;
+    let kind = (flags & SHAPE_MASK);
+    var result = no_hit();
     if (kind >= SHAPE_PLANE) {
-        return intersect_flat(features, shape, ray_world, t_min, t_max);
+        result = intersect_flat(features, flags, object_from_world, ray_world, t_min, t_max);
+    } else {
+        let ray = transform_ray(object_from_world, ray_world);
+        if (((features & (1u << SHAPE_FRUSTUM)) != 0u) && (kind == SHAPE_FRUSTUM)) {
+            result = intersect_frustum(flags, shape.base_radius, shape.top_radius, ray, t_min, t_max);
+        } else if (((features & (1u << SHAPE_SPHERE)) != 0u) && (kind == SHAPE_SPHERE)) {
+            result = intersect_sphere(ray, t_min, t_max);
+        } else if ((features & (1u << SHAPE_BOX)) != 0u) {
+            result = intersect_box(ray, t_min, t_max);
+        }
     }
-    let ray = transform_ray(shape.object_from_world, ray_world);
-    if (((features & (1u << SHAPE_FRUSTUM)) != 0u) && (kind == SHAPE_FRUSTUM)) {
-        return intersect_frustum(shape, ray, t_min, t_max);
-    }
-    if (((features & (1u << SHAPE_SPHERE)) != 0u) && (kind == SHAPE_SPHERE)) {
-        return intersect_sphere(ray, t_min, t_max);
-    }
-    if ((features & (1u << SHAPE_BOX)) != 0u) {
-        return intersect_box(ray, t_min, t_max);
-    }
-    return no_hit();
+    return result;
 }
 
 fn snap_to_surface(shape: ShapeRecord, face: u32, p: vec3f) -> vec3f {
@@ -1171,18 +1172,8 @@ fn in_order(children: u32, order: u32) -> u32 {
     return bits;
 }
 
-fn leaf_objects(node: BvhNode, leaves: u32) -> u32 {
-    var objects: u32 = 0u;
-    var left = leaves;
-    while (left != 0u) {
-        let child = countTrailingZeros(left);
-        left &= (left - 1u);
-        let word = select(node.leaves0, node.leaves1, (child >= 4u));
-        let leaf = (word >> ((child & 3u) * 8u));
-        let members = ((1u << ((leaf >> 5u) & 7u)) - 1u);
-        objects |= (members << (leaf & 31u));
-    }
-    return objects;
+fn children_before(children: u32, child: u32) -> u32 {
+    return countOneBits((children & ((1u << child) - 1u)));
 }
 
 fn waiting_children(node: BvhNode, reached: u32, order: u32) -> vec2u {
@@ -1200,7 +1191,7 @@ fn any_waits(children: vec2u) -> bool {
 
 fn next_node(children: vec2u, order: u32) -> u32 {
     let child = (countTrailingZeros(children.y) ^ order);
-    return (children.x + countOneBits(((children.y >> 8u) & ((1u << child) - 1u))));
+    return (children.x + children_before((children.y >> 8u), child));
 }
 
 fn without_next(children: vec2u) -> vec2u {
@@ -2210,35 +2201,34 @@ fn meet_object_Buffers(
     let shape = Buffers_shape(scene, index);
     var found = before;
     var t_min: f32 = 0.0;
-    for (var attempt = 0u; attempt < MAX_HITS_PER_OBJECT; attempt++) {
+    var attempt: u32 = 0u;
+    while (attempt < MAX_HITS_PER_OBJECT) {
         let hit = intersect_shape(Buffers_features(scene), shape, ray, t_min, found.hit.shape.t);
-        if (hit.t >= NO_HIT) {
-            return found;
-        }
-        var passes = vec3f(0.0, 0.0, 0.0);
-        if (has_Buffers(scene, FEATURE_HOLES) && ((shape.kind & FLAG_NOT_OPAQUE) != 0u)) {
-            let material = material_hit_Buffers(scene, shape, ray, hit);
-            let at = hit_texture_point_Buffers(scene, instance, index, shape, material, ray, hit);
-            let through_bodies = (quest.purpose == SEARCH_LIGHT_THROUGH_BODIES);
-            passes = surface_transmittance_Buffers(scene, material, at, through_bodies);
-            if (quest.purpose == SEARCH_HIT) {
-                let source = Buffers_surface(scene, index).source;
-                let opacity = (1.0 - smallest(passes));
-                let triangle = u32(shape.top_radius);
-                let met = is_met(quest, attempt, instance, source, triangle, opacity);
-                passes = select(vec3f(1.0, 1.0, 1.0), vec3f(0.0, 0.0, 0.0), met);
+        var goes_on = (hit.t < NO_HIT);
+        if goes_on {
+            var passes = vec3f(0.0, 0.0, 0.0);
+            if (has_Buffers(scene, FEATURE_HOLES) && ((shape.kind & FLAG_NOT_OPAQUE) != 0u)) {
+                let material = material_hit_Buffers(scene, shape, ray, hit);
+                let at = hit_texture_point_Buffers(scene, instance, index, shape, material, ray, hit);
+                let through_bodies = (quest.purpose == SEARCH_LIGHT_THROUGH_BODIES);
+                passes = surface_transmittance_Buffers(scene, material, at, through_bodies);
+                if (quest.purpose == SEARCH_HIT) {
+                    let source = Buffers_surface(scene, index).source;
+                    let opacity = (1.0 - smallest(passes));
+                    let triangle = u32(shape.top_radius);
+                    let met = is_met(quest, attempt, instance, source, triangle, opacity);
+                    passes = select(vec3f(1.0, 1.0, 1.0), vec3f(0.0, 0.0, 0.0), met);
+                }
             }
-        }
-        if (quest.purpose != SEARCH_HIT) {
-            found.passed *= passes;
-        }
-        if is_dark(passes) {
-            if (quest.purpose == SEARCH_HIT) {
+            goes_on = !is_dark(passes);
+            if (quest.purpose != SEARCH_HIT) {
+                found.passed *= passes;
+            } else if !goes_on {
                 found.hit = Hit(hit, index, instance);
             }
-            return found;
+            t_min = hit.t;
         }
-        t_min = hit.t;
+        attempt = select(MAX_HITS_PER_OBJECT, (attempt + 1u), goes_on);
     }
     return found;
 }
@@ -2261,41 +2251,46 @@ fn search_Buffers(scene: Buffers, ray: Ray, t_max: f32, quest: Quest) -> Found {
     var searching = true;
     while searching {
         var objects: u32 = 0u;
+        var leaves: u32 = 0u;
         var first_object: u32 = 0u;
         if any_waits(children) {
-            let index = next_node(children, order);
+            var index = next_node(children, order);
             children = without_next(children);
             if any_waits(children) {
                 stack_first[u32(stacked)] = children.x;
                 stack_bits[u32(stacked)] = children.y;
                 stacked += 1u;
             }
-            let node = Buffers_node(scene, index);
-            if (has_Buffers(scene, (1u << SHAPE_INSTANCE)) && (node.exponents == NODE_INSTANCE)) {
-                instance = node.first_object;
+            if (has_Buffers(scene, (1u << SHAPE_INSTANCE)) && (Buffers_node(scene, index).exponents == NODE_INSTANCE)) {
+                let entrance = Buffers_node(scene, index);
+                instance = entrance.first_object;
                 local = transform_ray(Buffers_shape(scene, instance).object_from_world, ray);
                 inverse = inverse_direction(local.direction);
                 order = visiting_order(inverse);
                 outside = stacked;
-                children = waiting_root(node.first_node);
-            } else {
-                let reached = Buffers__1reached_children(scene, index, local.origin, inverse, found.hit.shape.t);
-                children = waiting_children(node, reached, order);
-                first_object = node.first_object;
-                objects = leaf_objects(node, (reached & (255u ^ (node.exponents >> 24u))));
+                index = entrance.first_node;
             }
+            let node = Buffers_node(scene, index);
+            let reached = Buffers__1reached_children(scene, index, local.origin, inverse, found.hit.shape.t);
+            children = waiting_children(node, reached, order);
+            first_object = node.first_object;
+            leaves = node.leaves;
+            objects = (reached & leaves);
         }
         while ((objects != 0u) || (unbounded < header.unbounded_objects)) {
             var index = unbounded;
             if (unbounded < header.unbounded_objects) {
                 unbounded += 1u;
             } else {
-                index = (first_object + countTrailingZeros(objects));
+                index = (first_object + children_before(leaves, countTrailingZeros(objects)));
                 objects &= (objects - 1u);
             }
             found = meet_object_Buffers(scene, instance, index, local, quest, found);
             if is_dark(found.passed) {
-                return found;
+                objects = 0u;
+                unbounded = header.unbounded_objects;
+                children = vec2u(0u, 0u);
+                stacked = 0u;
             }
         }
         if !any_waits(children) {
@@ -3130,6 +3125,24 @@ fn start_path(start: CameraSample) -> PathState {
     return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, true, 0u, start.light_numbers, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), first, 0.0, vec3f(0.0, 0.0, 0.0), true);
 }
 
+struct RayQuery {
+    ray: Ray,
+    t_max: f32,
+    quest: Quest
+}
+
+fn next_query(key: SampleKey, path: PathState) -> RayQuery {
+    let is_shadow = (path.shadow_end > 0.0);
+    var ray = path.ray;
+    var t_max = NO_HIT;
+    if is_shadow {
+        ray = path.shadow;
+        t_max = path.shadow_end;
+    }
+    let purpose = select(SEARCH_HIT, SEARCH_LIGHT, is_shadow);
+    return RayQuery(ray, t_max, Quest(purpose, key, path.segment));
+}
+
 fn receive_light(before: PathState, passed: vec3f) -> PathState {
     var path = before;
     path.rays += 1u;
@@ -3138,6 +3151,20 @@ fn receive_light(before: PathState, passed: vec3f) -> PathState {
     path.shadow_end = 0.0;
     path.goes_on = path.follows;
     return path;
+}
+
+fn continue_path_Buffers(
+    scene: Buffers,
+    key: SampleKey,
+    depth: u32,
+    background: vec3f,
+    before: PathState,
+    found: Found,
+) -> PathState {
+    if (before.shadow_end > 0.0) {
+        return receive_light(before, found.passed);
+    }
+    return meet_surface_Buffers(scene, key, depth, background, before, found.hit);
 }
 
 fn direct_light_Buffers(
@@ -3152,26 +3179,25 @@ fn direct_light_Buffers(
     let nowhere = Ray(point.position, normal);
     var result = DirectLight(vec3f(0.0, 0.0, 0.0), 0.0, nowhere);
     let choice = choose_light_Buffers(scene, point.position, importance, u.x);
-    if (choice.index == NONE) {
-        return result;
-    }
-    let light = Buffers_light(scene, choice.index);
-    let both_sides = transmits(bsdf);
-    let place = vec2f(choice.left, u.y);
-    let sample = sample_light_Buffers(scene, light, point.position, normal, both_sides, place);
-    let value = (evaluate_bsdf(bsdf, normal, wo, sample.direction) * sample.weight);
-    if (is_dark(value) || !same_side(point, normal, wo, sample.direction)) {
-        return result;
-    }
-    var weight = (1.0 / choice.probability);
-    if ((sample.pdf > 0.0) && (light.shadowless == 0u)) {
-        let scattered = bsdf_pdf(bsdf, normal, wo, sample.direction);
-        weight *= power_heuristic((sample.pdf * choice.probability), scattered);
-    }
-    result.radiance = (value * weight);
-    if (light.shadowless == 0u) {
-        result.ray = Ray(offset_origin(point, sample.direction), sample.direction);
-        result.end = select(NO_HIT, (sample.distance * SHADOW_END), (sample.distance < NO_HIT));
+    if (choice.index != NONE) {
+        let light = Buffers_light(scene, choice.index);
+        let both_sides = transmits(bsdf);
+        let place = vec2f(choice.left, u.y);
+        let sample = sample_light_Buffers(scene, light, point.position, normal, both_sides, place);
+        let value = (evaluate_bsdf(bsdf, normal, wo, sample.direction) * sample.weight);
+        if (!is_dark(value) && same_side(point, normal, wo, sample.direction)) {
+            var weight = (1.0 / choice.probability);
+            if ((sample.pdf > 0.0) && (light.shadowless == 0u)) {
+                let scattered = bsdf_pdf(bsdf, normal, wo, sample.direction);
+                weight *= power_heuristic((sample.pdf * choice.probability), scattered);
+            }
+            result.radiance = (value * weight);
+            if (light.shadowless == 0u) {
+                let origin = offset_origin(point, sample.direction);
+                result.ray = Ray(origin, sample.direction);
+                result.end = select(NO_HIT, (sample.distance * SHADOW_END), (sample.distance < NO_HIT));
+            }
+        }
     }
     return result;
 }
@@ -3201,26 +3227,15 @@ fn extend_path_Buffers(
     before: PathState,
 ) -> PathState {
     if has_Buffers(scene, FEATURE_MANY_NODES) {
-        let is_shadow = (before.shadow_end > 0.0);
-        var ray = before.ray;
-        var t_max = NO_HIT;
-        if is_shadow {
-            ray = before.shadow;
-            t_max = before.shadow_end;
-        }
-        let purpose = select(SEARCH_HIT, SEARCH_LIGHT, is_shadow);
-        let quest = Quest(purpose, key, before.segment);
-        let found = search_Buffers(scene, ray, t_max, quest);
-        if is_shadow {
-            return receive_light(before, found.passed);
-        }
-        return meet_surface_Buffers(scene, key, depth, background, before, found.hit);
+        let query = next_query(key, before);
+        let found = search_Buffers(scene, query.ray, query.t_max, query.quest);
+        return continue_path_Buffers(scene, key, depth, background, before, found);
     }
     let hit = closest_hit_Buffers(scene, before.ray, key, before.segment);
-    let path = meet_surface_Buffers(scene, key, depth, background, before, hit);
+    var path = meet_surface_Buffers(scene, key, depth, background, before, hit);
     if (path.shadow_end > 0.0) {
         let found = search_Buffers(scene, path.shadow, path.shadow_end, light_quest(SEARCH_LIGHT));
-        return receive_light(path, found.passed);
+        path = receive_light(path, found.passed);
     }
     return path;
 }
@@ -3265,94 +3280,112 @@ fn meet_surface_Buffers(
             path.radiance += (path.throughput * background_radiance_Buffers(scene, background));
         }
         path.event = EVENT_ESCAPED;
-        return path;
-    }
-    let surface = Buffers_surface(scene, hit.object);
-    let met = shading_point_Buffers(scene, ray, hit);
-    let point = met.point;
-    let material = met.material;
-    let normal = met.normal;
-    let wo = -ray.direction;
-    let front = (met.cos_front >= 0.0);
-    if (surface.light != NONE) {
-        path.radiance += (path.throughput * lamp_radiance_Buffers(scene, surface.light, path.previous, point.position, met.cos_front));
-    }
-    var eta: f32 = 1.0;
-    let refracts = (has_Buffers(scene, FEATURE_MEDIA) && (material.refractive_index > 0.0));
-    if refracts {
-        let outside = leave_medium(path.media, met.body).indices.x;
-        let inside = material.refractive_index;
-        eta = select((inside / outside), (outside / inside), front);
-    }
-    let bsdf = material_bsdf_Buffers(scene, material, met.at, eta, dot(normal, wo));
-    path.radiance += (path.throughput * bsdf.emissive);
-    let may_go_on = ((path.segment + 1u) < MAX_SEGMENTS);
-    if (path.touched >= depth) {
-        path.throughput *= bsdf.straight;
-        path.event = EVENT_ABSORBED;
-        if !is_dark(path.throughput) {
-            path.event = EVENT_PASSED;
-            path.follows = may_go_on;
-            path.goes_on = may_go_on;
+    } else {
+        let surface = Buffers_surface(scene, hit.object);
+        let met = shading_point_Buffers(scene, ray, hit);
+        let point = met.point;
+        let material = met.material;
+        let normal = met.normal;
+        let wo = -ray.direction;
+        let front = (met.cos_front >= 0.0);
+        if (surface.light != NONE) {
+            path.radiance += (path.throughput * lamp_radiance_Buffers(scene, surface.light, path.previous, point.position, met.cos_front));
         }
-        path.ray = Ray(offset_origin(point, ray.direction), ray.direction);
-        path.segment += 1u;
-        return path;
-    }
-    let importance = total_importance_Buffers(scene, point.position);
-    if (importance > 0.0) {
-        let direct = direct_light_Buffers(scene, point, bsdf, normal, wo, importance, path.light_numbers);
-        let arriving = (path.throughput * direct.radiance);
-        if (direct.end > 0.0) {
-            path.shadow = direct.ray;
-            path.shadow_end = direct.end;
-            path.shadow_light = arriving;
-            path.goes_on = true;
+        var eta: f32 = 1.0;
+        let refracts = (has_Buffers(scene, FEATURE_MEDIA) && (material.refractive_index > 0.0));
+        if refracts {
+            let outside = leave_medium(path.media, met.body).indices.x;
+            let inside = material.refractive_index;
+            eta = select((inside / outside), (outside / inside), front);
+        }
+        let bsdf = material_bsdf_Buffers(scene, material, met.at, eta, dot(normal, wo));
+        path.radiance += (path.throughput * bsdf.emissive);
+        let may_go_on = ((path.segment + 1u) < MAX_SEGMENTS);
+        if (path.touched >= depth) {
+            path.throughput *= bsdf.straight;
+            path.event = EVENT_ABSORBED;
+            if !is_dark(path.throughput) {
+                path.event = EVENT_PASSED;
+                path.follows = may_go_on;
+                path.goes_on = may_go_on;
+            }
+            path.ray = Ray(offset_origin(point, ray.direction), ray.direction);
+            path.segment += 1u;
         } else {
-            path.direct = arriving;
-            path.radiance += arriving;
+            let importance = total_importance_Buffers(scene, point.position);
+            if (importance > 0.0) {
+                let u = path.light_numbers;
+                let direct = direct_light_Buffers(scene, point, bsdf, normal, wo, importance, u);
+                let arriving = (path.throughput * direct.radiance);
+                if (direct.end > 0.0) {
+                    path.shadow = direct.ray;
+                    path.shadow_end = direct.end;
+                    path.shadow_light = arriving;
+                    path.goes_on = true;
+                } else {
+                    path.direct = arriving;
+                    path.radiance += arriving;
+                }
+            }
+            let dimension = (DIMENSION_FIRST_SURFACE + path.segment);
+            let u = random4(key, dimension);
+            path.light_numbers = vec2f(u.z, u.w);
+            let sample = sample_bsdf(bsdf, normal, wo, vec2f(u.x, u.y));
+            path.event = EVENT_ABSORBED;
+            if ((sample.event != EVENT_ABSORBED) && same_side(point, normal, wo, sample.direction)) {
+                path.event = sample.event;
+                path.throughput *= sample.weight;
+                if (refracts && ((dot(sample.direction, point.normal) * met.cos_front) < 0.0)) {
+                    if front {
+                        path.media = enter_medium(path.media, met.body, material.refractive_index);
+                    } else {
+                        path.media = leave_medium(path.media, met.body);
+                    }
+                }
+                let origin = offset_origin(point, sample.direction);
+                path.ray = Ray(origin, sample.direction);
+                path.segment += 1u;
+                path.follows = may_go_on;
+                if (sample.event != EVENT_PASSED) {
+                    path.touched += 1u;
+                    path.previous = PathVertex(point.position, normal, transmits(bsdf), sample.pdf, importance);
+                }
+                if (path.touched >= ROULETTE_START) {
+                    let survival = min((largest(path.throughput) * ROULETTE_CAUTION), 0.95);
+                    if (independent_number(key, dimension) < survival) {
+                        path.throughput *= (1.0 / survival);
+                    } else {
+                        path.event = EVENT_STOPPED;
+                        path.follows = false;
+                    }
+                }
+                path.goes_on = (path.goes_on || path.follows);
+            }
         }
     }
-    let dimension = (DIMENSION_FIRST_SURFACE + path.segment);
-    let u = random4(key, dimension);
-    path.light_numbers = vec2f(u.z, u.w);
-    let sample = sample_bsdf(bsdf, normal, wo, vec2f(u.x, u.y));
-    path.event = sample.event;
-    if ((sample.event == EVENT_ABSORBED) || !same_side(point, normal, wo, sample.direction)) {
-        path.event = EVENT_ABSORBED;
-        return path;
-    }
-    path.throughput *= sample.weight;
-    if (refracts && ((dot(sample.direction, point.normal) * met.cos_front) < 0.0)) {
-        if front {
-            path.media = enter_medium(path.media, met.body, material.refractive_index);
-        } else {
-            path.media = leave_medium(path.media, met.body);
-        }
-    }
-    path.ray = Ray(offset_origin(point, sample.direction), sample.direction);
-    path.segment += 1u;
-    path.follows = may_go_on;
-    if (sample.event != EVENT_PASSED) {
-        path.touched += 1u;
-        path.previous = PathVertex(point.position, normal, transmits(bsdf), sample.pdf, importance);
-    }
-    if (path.touched >= ROULETTE_START) {
-        let survival = min((largest(path.throughput) * ROULETTE_CAUTION), 0.95);
-        if (independent_number(key, dimension) >= survival) {
-            path.event = EVENT_STOPPED;
-            path.follows = false;
-            return path;
-        }
-        path.throughput *= (1.0 / survival);
-    }
-    path.goes_on = (path.goes_on || path.follows);
     return path;
 }
 
 struct PathSample {
     radiance: vec3f,
     rays: u32
+}
+
+struct StartedPath {
+    key: SampleKey,
+    path: PathState
+}
+
+fn start_sample(
+    header: SceneHeader,
+    settings: LaunchSettings,
+    x: u32,
+    y: u32,
+    other: SampleKey,
+    sample: u32,
+) -> StartedPath {
+    let key = key_of_sample(settings, x, y, other, sample);
+    return StartedPath(key, start_path(sample_camera(header, settings, key, x, y)));
 }
 
 fn add_sample(before: FilmPixel, radiance: vec3f, rays: u32) -> FilmPixel {
@@ -3380,8 +3413,9 @@ fn add_samples_Buffers(
     path.goes_on = false;
     while ((started < count) || path.goes_on) {
         if !path.goes_on {
-            key = key_of_sample(settings, x, y, key, (settings.first_sample + started));
-            path = start_path(sample_camera(header, settings, key, x, y));
+            let start = start_sample(header, settings, x, y, key, (settings.first_sample + started));
+            key = start.key;
+            path = start.path;
             started += 1u;
         }
         path = extend_path_Buffers(scene, key, settings.depth, settings.background, path);

@@ -11,8 +11,8 @@ struct BvhNode {
     exponents: u32,
     first_node: u32,
     first_object: u32,
-    leaves0: u32,
-    leaves1: u32,
+    leaves: u32,
+    unused: u32,
     low_xy: vec4u,
     low_z_high_x: vec4u,
     high_yz: vec4u
@@ -373,17 +373,17 @@ fn intersect_sphere(ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
     let p = (ray.origin + (ray.direction * t_mid));
     let a = dot(ray.direction, ray.direction);
     let discriminant = (1.0 - dot(p, p));
-    if (discriminant < 0.0) {
-        return no_hit();
+    var result = no_hit();
+    if (discriminant >= 0.0) {
+        let half = sqrt((discriminant / a));
+        let near = (t_mid - half);
+        let far = (t_mid + half);
+        let enters = ((near > t_min) && (near < t_max));
+        if (enters || ((far > t_min) && (far < t_max))) {
+            result.t = select(far, near, enters);
+        }
     }
-    let half = sqrt((discriminant / a));
-    if (((t_mid - half) > t_min) && ((t_mid - half) < t_max)) {
-        return ShapeHit((t_mid - half), 0u);
-    }
-    if (((t_mid + half) > t_min) && ((t_mid + half) < t_max)) {
-        return ShapeHit((t_mid + half), 0u);
-    }
-    return no_hit();
+    return result;
 }
 
 fn away_from_zero(x: f32) -> f32 {
@@ -395,43 +395,45 @@ fn away_from_zero(x: f32) -> f32 {
 
 fn intersect_box(ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
     let d = vec3f(away_from_zero(ray.direction.x), away_from_zero(ray.direction.y), away_from_zero(ray.direction.z));
-    let centre = (-ray.origin / d);
-    let half = (vec3f(1.0, 1.0, 1.0) / abs(d));
+    let inverse = (vec3f(1.0, 1.0, 1.0) / d);
+    let centre = (-ray.origin * inverse);
+    let half = abs(inverse);
     let enter = (centre - half);
     let leave = (centre + half);
     let t_in = max(enter.x, max(enter.y, enter.z));
     let t_out = min(leave.x, min(leave.y, leave.z));
-    if (t_in > t_out) {
-        return no_hit();
+    var result = no_hit();
+    if (t_in <= t_out) {
+        let from_outside = (t_in > t_min);
+        let t = select(t_out, t_in, from_outside);
+        let side = select(d, -d, from_outside);
+        let per_axis = select(leave, enter, from_outside);
+        if ((t > t_min) && (t < t_max)) {
+            let x = select(0u, 1u, (side.x > 0.0));
+            let y = select(2u, 3u, (side.y > 0.0));
+            let z = select(4u, 5u, (side.z > 0.0));
+            let face = select(select(z, y, (t == per_axis.y)), x, (t == per_axis.x));
+            result = ShapeHit(t, face);
+        }
     }
-    var t = t_in;
-    var side = vec3f(-d.x, -d.y, -d.z);
-    var per_axis = enter;
-    if (t <= t_min) {
-        t = t_out;
-        side = d;
-        per_axis = leave;
-    }
-    if ((t <= t_min) || (t >= t_max)) {
-        return no_hit();
-    }
-    if (t == per_axis.x) {
-        return ShapeHit(t, select(0u, 1u, (side.x > 0.0)));
-    }
-    if (t == per_axis.y) {
-        return ShapeHit(t, select(2u, 3u, (side.y > 0.0)));
-    }
-    return ShapeHit(t, select(4u, 5u, (side.z > 0.0)));
+    return result;
 }
 
-fn intersect_frustum(shape: ShapeRecord, ray: Ray, t_min: f32, t_max: f32) -> ShapeHit {
+fn intersect_frustum(
+    kind: u32,
+    base_radius: f32,
+    top_radius: f32,
+    ray: Ray,
+    t_min: f32,
+    t_max: f32,
+) -> ShapeHit {
     var best = no_hit();
     best.t = t_max;
-    let slope = (shape.top_radius - shape.base_radius);
+    let slope = (top_radius - base_radius);
     let t_mid = closest_approach(ray, vec3f(0.0, 0.0, 0.5));
     let p = (ray.origin + (ray.direction * t_mid));
     let d = ray.direction;
-    let radius = (shape.base_radius + (slope * p.z));
+    let radius = (base_radius + (slope * p.z));
     let a = (((d.x * d.x) + (d.y * d.y)) - (((slope * slope) * d.z) * d.z));
     let half_b = (((p.x * d.x) + (p.y * d.y)) - ((radius * slope) * d.z));
     let c = (((p.x * p.x) + (p.y * p.y)) - (radius * radius));
@@ -443,36 +445,34 @@ fn intersect_frustum(shape: ShapeRecord, ray: Ray, t_min: f32, t_max: f32) -> Sh
         let t1 = (t_mid + (q / away_from_zero(a)));
         let near = min(t0, t1);
         let far = max(t0, t1);
-        if ((on_lateral_surface(shape, ray, near) && (near > t_min)) && (near < best.t)) {
+        if ((on_lateral_surface(base_radius, top_radius, ray, near) && (near > t_min)) && (near < best.t)) {
             best.t = near;
         } else {
-            if ((on_lateral_surface(shape, ray, far) && (far > t_min)) && (far < best.t)) {
+            if ((on_lateral_surface(base_radius, top_radius, ray, far) && (far > t_min)) && (far < best.t)) {
                 best.t = far;
             }
         }
     }
     let dz = away_from_zero(d.z);
-    if ((shape.kind & FLAG_BASE_OPEN) == 0u) {
+    if ((kind & FLAG_BASE_OPEN) == 0u) {
         let t = (-ray.origin.z / dz);
-        if (((t > t_min) && (t < best.t)) && within_radius(ray, t, shape.base_radius)) {
+        if (((t > t_min) && (t < best.t)) && within_radius(ray, t, base_radius)) {
             best = ShapeHit(t, 1u);
         }
     }
-    if ((shape.kind & FLAG_TOP_OPEN) == 0u) {
+    if ((kind & FLAG_TOP_OPEN) == 0u) {
         let t = ((1.0 - ray.origin.z) / dz);
-        if (((t > t_min) && (t < best.t)) && within_radius(ray, t, shape.top_radius)) {
+        if (((t > t_min) && (t < best.t)) && within_radius(ray, t, top_radius)) {
             best = ShapeHit(t, 2u);
         }
     }
-    if (best.t >= t_max) {
-        return no_hit();
-    }
+    best.t = select(NO_HIT, best.t, (best.t < t_max));
     return best;
 }
 
-fn on_lateral_surface(shape: ShapeRecord, ray: Ray, t: f32) -> bool {
+fn on_lateral_surface(base_radius: f32, top_radius: f32, ray: Ray, t: f32) -> bool {
     let z = (ray.origin.z + (t * ray.direction.z));
-    let radius = (shape.base_radius + ((shape.top_radius - shape.base_radius) * z));
+    let radius = (base_radius + ((top_radius - base_radius) * z));
     return (((z >= 0.0) && (z <= 1.0)) && (radius >= 0.0));
 }
 
@@ -484,13 +484,14 @@ fn within_radius(ray: Ray, t: f32, radius: f32) -> bool {
 
 fn intersect_flat(
     features: u32,
-    shape: ShapeRecord,
+    flags: u32,
+    object_from_world: Affine,
     ray: Ray,
     t_min: f32,
     t_max: f32,
 ) -> ShapeHit {
-    let m = shape.object_from_world;
-    let kind = (shape.kind & SHAPE_MASK);
+    let m = object_from_world;
+    let kind = (flags & SHAPE_MASK);
     var across = m.row1;
     let is_plane = (((features & (1u << SHAPE_PLANE)) != 0u) && (kind == SHAPE_PLANE));
     if is_plane {
@@ -498,23 +499,21 @@ fn intersect_flat(
     }
     let slope = turn_row(across, ray.direction);
     let t = (-transform_row(across, ray.origin) / away_from_zero(slope));
-    if ((t <= t_min) || (t >= t_max)) {
-        return no_hit();
+    var result = no_hit();
+    if ((t > t_min) && (t < t_max)) {
+        let x = (transform_row(m.row0, ray.origin) + (t * turn_row(m.row0, ray.direction)));
+        let z = (transform_row(m.row2, ray.origin) + (t * turn_row(m.row2, ray.direction)));
+        var inside = (is_plane || (((abs(x) <= 1.0) && (z >= 0.0)) && (z <= 1.0)));
+        if (((features & (1u << SHAPE_TRIANGLE)) != 0u) && (kind == SHAPE_TRIANGLE)) {
+            let far = (abs(ray.origin) + (abs(ray.direction) * abs(t)));
+            let margin_x = (ROUNDING * transform_row(abs(m.row0), far));
+            let margin_z = (ROUNDING * transform_row(abs(m.row2), far));
+            let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, (slope < 0.0));
+            inside = ((((x >= -margin_x) && (z >= -margin_z)) && ((x + z) <= ((1.0 + margin_x) + margin_z))) && ((flags & hidden) == 0u));
+        }
+        result.t = select(NO_HIT, t, inside);
     }
-    let x = (transform_row(m.row0, ray.origin) + (t * turn_row(m.row0, ray.direction)));
-    let z = (transform_row(m.row2, ray.origin) + (t * turn_row(m.row2, ray.direction)));
-    var inside = (is_plane || (((abs(x) <= 1.0) && (z >= 0.0)) && (z <= 1.0)));
-    if (((features & (1u << SHAPE_TRIANGLE)) != 0u) && (kind == SHAPE_TRIANGLE)) {
-        let far = (abs(ray.origin) + (abs(ray.direction) * abs(t)));
-        let margin_x = (ROUNDING * transform_row(abs(m.row0), far));
-        let margin_z = (ROUNDING * transform_row(abs(m.row2), far));
-        let hidden = select(FLAG_BACK_HIDDEN, FLAG_FRONT_HIDDEN, (slope < 0.0));
-        inside = ((((x >= -margin_x) && (z >= -margin_z)) && ((x + z) <= ((1.0 + margin_x) + margin_z))) && ((shape.kind & hidden) == 0u));
-    }
-    if inside {
-        return ShapeHit(t, 0u);
-    }
-    return no_hit();
+    return result;
 }
 
 fn intersect_shape(
@@ -524,21 +523,23 @@ fn intersect_shape(
     t_min: f32,
     t_max: f32,
 ) -> ShapeHit {
-    let kind = (shape.kind & SHAPE_MASK);
+    let object_from_world = shape.object_from_world;
+    let flags = shape.kind;
+    let kind = (flags & SHAPE_MASK);
+    var result = no_hit();
     if (kind >= SHAPE_PLANE) {
-        return intersect_flat(features, shape, ray_world, t_min, t_max);
+        result = intersect_flat(features, flags, object_from_world, ray_world, t_min, t_max);
+    } else {
+        let ray = transform_ray(object_from_world, ray_world);
+        if (((features & (1u << SHAPE_FRUSTUM)) != 0u) && (kind == SHAPE_FRUSTUM)) {
+            result = intersect_frustum(flags, shape.base_radius, shape.top_radius, ray, t_min, t_max);
+        } else if (((features & (1u << SHAPE_SPHERE)) != 0u) && (kind == SHAPE_SPHERE)) {
+            result = intersect_sphere(ray, t_min, t_max);
+        } else if ((features & (1u << SHAPE_BOX)) != 0u) {
+            result = intersect_box(ray, t_min, t_max);
+        }
     }
-    let ray = transform_ray(shape.object_from_world, ray_world);
-    if (((features & (1u << SHAPE_FRUSTUM)) != 0u) && (kind == SHAPE_FRUSTUM)) {
-        return intersect_frustum(shape, ray, t_min, t_max);
-    }
-    if (((features & (1u << SHAPE_SPHERE)) != 0u) && (kind == SHAPE_SPHERE)) {
-        return intersect_sphere(ray, t_min, t_max);
-    }
-    if ((features & (1u << SHAPE_BOX)) != 0u) {
-        return intersect_box(ray, t_min, t_max);
-    }
-    return no_hit();
+    return result;
 }
 
 fn snap_to_surface(shape: ShapeRecord, face: u32, p: vec3f) -> vec3f {
@@ -1171,18 +1172,8 @@ fn in_order(children: u32, order: u32) -> u32 {
     return bits;
 }
 
-fn leaf_objects(node: BvhNode, leaves: u32) -> u32 {
-    var objects: u32 = 0u;
-    var left = leaves;
-    while (left != 0u) {
-        let child = countTrailingZeros(left);
-        left &= (left - 1u);
-        let word = select(node.leaves0, node.leaves1, (child >= 4u));
-        let leaf = (word >> ((child & 3u) * 8u));
-        let members = ((1u << ((leaf >> 5u) & 7u)) - 1u);
-        objects |= (members << (leaf & 31u));
-    }
-    return objects;
+fn children_before(children: u32, child: u32) -> u32 {
+    return countOneBits((children & ((1u << child) - 1u)));
 }
 
 fn waiting_children(node: BvhNode, reached: u32, order: u32) -> vec2u {
@@ -1200,7 +1191,7 @@ fn any_waits(children: vec2u) -> bool {
 
 fn next_node(children: vec2u, order: u32) -> u32 {
     let child = (countTrailingZeros(children.y) ^ order);
-    return (children.x + countOneBits(((children.y >> 8u) & ((1u << child) - 1u))));
+    return (children.x + children_before((children.y >> 8u), child));
 }
 
 fn without_next(children: vec2u) -> vec2u {
@@ -2210,35 +2201,34 @@ fn meet_object_Buffers(
     let shape = Buffers_shape(scene, index);
     var found = before;
     var t_min: f32 = 0.0;
-    for (var attempt = 0u; attempt < MAX_HITS_PER_OBJECT; attempt++) {
+    var attempt: u32 = 0u;
+    while (attempt < MAX_HITS_PER_OBJECT) {
         let hit = intersect_shape(Buffers_features(scene), shape, ray, t_min, found.hit.shape.t);
-        if (hit.t >= NO_HIT) {
-            return found;
-        }
-        var passes = vec3f(0.0, 0.0, 0.0);
-        if (has_Buffers(scene, FEATURE_HOLES) && ((shape.kind & FLAG_NOT_OPAQUE) != 0u)) {
-            let material = material_hit_Buffers(scene, shape, ray, hit);
-            let at = hit_texture_point_Buffers(scene, instance, index, shape, material, ray, hit);
-            let through_bodies = (quest.purpose == SEARCH_LIGHT_THROUGH_BODIES);
-            passes = surface_transmittance_Buffers(scene, material, at, through_bodies);
-            if (quest.purpose == SEARCH_HIT) {
-                let source = Buffers_surface(scene, index).source;
-                let opacity = (1.0 - smallest(passes));
-                let triangle = u32(shape.top_radius);
-                let met = is_met(quest, attempt, instance, source, triangle, opacity);
-                passes = select(vec3f(1.0, 1.0, 1.0), vec3f(0.0, 0.0, 0.0), met);
+        var goes_on = (hit.t < NO_HIT);
+        if goes_on {
+            var passes = vec3f(0.0, 0.0, 0.0);
+            if (has_Buffers(scene, FEATURE_HOLES) && ((shape.kind & FLAG_NOT_OPAQUE) != 0u)) {
+                let material = material_hit_Buffers(scene, shape, ray, hit);
+                let at = hit_texture_point_Buffers(scene, instance, index, shape, material, ray, hit);
+                let through_bodies = (quest.purpose == SEARCH_LIGHT_THROUGH_BODIES);
+                passes = surface_transmittance_Buffers(scene, material, at, through_bodies);
+                if (quest.purpose == SEARCH_HIT) {
+                    let source = Buffers_surface(scene, index).source;
+                    let opacity = (1.0 - smallest(passes));
+                    let triangle = u32(shape.top_radius);
+                    let met = is_met(quest, attempt, instance, source, triangle, opacity);
+                    passes = select(vec3f(1.0, 1.0, 1.0), vec3f(0.0, 0.0, 0.0), met);
+                }
             }
-        }
-        if (quest.purpose != SEARCH_HIT) {
-            found.passed *= passes;
-        }
-        if is_dark(passes) {
-            if (quest.purpose == SEARCH_HIT) {
+            goes_on = !is_dark(passes);
+            if (quest.purpose != SEARCH_HIT) {
+                found.passed *= passes;
+            } else if !goes_on {
                 found.hit = Hit(hit, index, instance);
             }
-            return found;
+            t_min = hit.t;
         }
-        t_min = hit.t;
+        attempt = select(MAX_HITS_PER_OBJECT, (attempt + 1u), goes_on);
     }
     return found;
 }
@@ -2261,41 +2251,46 @@ fn search_Buffers(scene: Buffers, ray: Ray, t_max: f32, quest: Quest) -> Found {
     var searching = true;
     while searching {
         var objects: u32 = 0u;
+        var leaves: u32 = 0u;
         var first_object: u32 = 0u;
         if any_waits(children) {
-            let index = next_node(children, order);
+            var index = next_node(children, order);
             children = without_next(children);
             if any_waits(children) {
                 stack_first[u32(stacked)] = children.x;
                 stack_bits[u32(stacked)] = children.y;
                 stacked += 1u;
             }
-            let node = Buffers_node(scene, index);
-            if (has_Buffers(scene, (1u << SHAPE_INSTANCE)) && (node.exponents == NODE_INSTANCE)) {
-                instance = node.first_object;
+            if (has_Buffers(scene, (1u << SHAPE_INSTANCE)) && (Buffers_node(scene, index).exponents == NODE_INSTANCE)) {
+                let entrance = Buffers_node(scene, index);
+                instance = entrance.first_object;
                 local = transform_ray(Buffers_shape(scene, instance).object_from_world, ray);
                 inverse = inverse_direction(local.direction);
                 order = visiting_order(inverse);
                 outside = stacked;
-                children = waiting_root(node.first_node);
-            } else {
-                let reached = Buffers__1reached_children(scene, index, local.origin, inverse, found.hit.shape.t);
-                children = waiting_children(node, reached, order);
-                first_object = node.first_object;
-                objects = leaf_objects(node, (reached & (255u ^ (node.exponents >> 24u))));
+                index = entrance.first_node;
             }
+            let node = Buffers_node(scene, index);
+            let reached = Buffers__1reached_children(scene, index, local.origin, inverse, found.hit.shape.t);
+            children = waiting_children(node, reached, order);
+            first_object = node.first_object;
+            leaves = node.leaves;
+            objects = (reached & leaves);
         }
         while ((objects != 0u) || (unbounded < header.unbounded_objects)) {
             var index = unbounded;
             if (unbounded < header.unbounded_objects) {
                 unbounded += 1u;
             } else {
-                index = (first_object + countTrailingZeros(objects));
+                index = (first_object + children_before(leaves, countTrailingZeros(objects)));
                 objects &= (objects - 1u);
             }
             found = meet_object_Buffers(scene, instance, index, local, quest, found);
             if is_dark(found.passed) {
-                return found;
+                objects = 0u;
+                unbounded = header.unbounded_objects;
+                children = vec2u(0u, 0u);
+                stacked = 0u;
             }
         }
         if !any_waits(children) {
@@ -3299,6 +3294,24 @@ fn start_path(start: CameraSample) -> PathState {
     return PathState(vec3f(0.0, 0.0, 0.0), 0u, vec3f(1.0, 1.0, 1.0), 0u, first, true, 0u, start.light_numbers, empty_space(), PathVertex(first.origin, first.direction, false, 0.0, 0.0), EVENT_STARTED, vec3f(0.0, 0.0, 0.0), first, 0.0, vec3f(0.0, 0.0, 0.0), true);
 }
 
+struct RayQuery {
+    ray: Ray,
+    t_max: f32,
+    quest: Quest
+}
+
+fn next_query(key: SampleKey, path: PathState) -> RayQuery {
+    let is_shadow = (path.shadow_end > 0.0);
+    var ray = path.ray;
+    var t_max = NO_HIT;
+    if is_shadow {
+        ray = path.shadow;
+        t_max = path.shadow_end;
+    }
+    let purpose = select(SEARCH_HIT, SEARCH_LIGHT, is_shadow);
+    return RayQuery(ray, t_max, Quest(purpose, key, path.segment));
+}
+
 fn receive_light(before: PathState, passed: vec3f) -> PathState {
     var path = before;
     path.rays += 1u;
@@ -3312,6 +3325,23 @@ fn receive_light(before: PathState, passed: vec3f) -> PathState {
 struct PathSample {
     radiance: vec3f,
     rays: u32
+}
+
+struct StartedPath {
+    key: SampleKey,
+    path: PathState
+}
+
+fn start_sample(
+    header: SceneHeader,
+    settings: LaunchSettings,
+    x: u32,
+    y: u32,
+    other: SampleKey,
+    sample: u32,
+) -> StartedPath {
+    let key = key_of_sample(settings, x, y, other, sample);
+    return StartedPath(key, start_path(sample_camera(header, settings, key, x, y)));
 }
 
 fn add_sample(before: FilmPixel, radiance: vec3f, rays: u32) -> FilmPixel {

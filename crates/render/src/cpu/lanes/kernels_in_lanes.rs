@@ -7,33 +7,24 @@ macro_rules! kernels_of_processor {
         /// For small scenes of plain materials: every lane searches on its own.
         mod small {
             kernels_in_lanes!($lanes, $processor, PLAIN_FEATURES, $small);
-            pub(super) type Workspace = ();
+            pixels_in_groups!($processor);
         }
 
         /// For large scenes of plain materials: rays take turns.
         mod large {
             kernels_in_lanes!($lanes, $processor, PLAIN_FEATURES, $large);
-            search_in_turns!($processor);
+            pixels_in_turns!($processor);
         }
 
         /// For all scenes: rays take turns.
         mod general {
             kernels_in_lanes!($lanes, $processor, ALL_FEATURES, $general);
-            search_in_turns!($processor);
+            pixels_in_turns!($processor);
         }
 
         use super::Kind;
         use crate::cpu::CpuScene;
         use ::kernels::records::kernel::{FilmPixel, LaunchSettings};
-        use std::cell::RefCell;
-
-        /// What a thread uses again for every group of pixels.
-        #[derive(Default)]
-        pub(super) struct Workspaces {
-            small: RefCell<small::Workspace>,
-            large: RefCell<large::Workspace>,
-            general: RefCell<general::Workspace>,
-        }
 
         /// Adds the samples of a launch to some pixels, given where they are.
         #[target_feature(enable = $processor)]
@@ -41,129 +32,34 @@ macro_rules! kernels_of_processor {
             scene: &CpuScene,
             kind: Kind,
             launch: LaunchSettings,
-            workspaces: &Workspaces,
             places: &[(u32, u32)],
             pixels: &mut [FilmPixel],
         ) {
-            let Workspaces { small, large, general } = workspaces;
             let nodes = &scene.lane_nodes;
             match kind {
-                Kind::Small => small::render_pixels(scene.slices(), nodes, launch, small, places, pixels),
-                Kind::Large => large::render_pixels(scene.slices(), nodes, launch, large, places, pixels),
-                Kind::General => {
-                    general::render_pixels(scene.slices(), nodes, launch, general, places, pixels)
-                }
+                Kind::Small => small::render_pixels(scene.slices(), launch, places, pixels),
+                Kind::Large => large::render_pixels(scene.slices(), nodes, launch, places, pixels),
+                Kind::General => general::render_pixels(scene.slices(), nodes, launch, places, pixels),
             }
         }
     };
 }
 
-/// Defines what kernels call for their searches, and what they need for it again and again.
-macro_rules! search_in_turns {
+/// Defines `render_pixels`, which takes one group of pixels after another.
+macro_rules! pixels_in_groups {
     ($processor:literal) => {
-        mod hooks {
-            use super::kernel::{Found, Globals, Quest, Ray, UniformBuffers};
-            use super::unit::{F32, Mask};
-
-            #[allow(non_snake_case)]
-            #[target_feature(enable = $processor)]
-            pub(super) fn search_Buffers(
-                globals: &Globals<'_>,
-                live: Mask,
-                scene: UniformBuffers,
-                ray: Ray,
-                t_max: F32,
-                quest: Quest,
-            ) -> Found {
-                super::in_turns::search(globals, live, scene, ray, t_max, quest)
-            }
-        }
-
-        mod in_turns {
-            include!("in_turns.rs");
-        }
-
-        pub(super) type Workspace = in_turns::Travellers;
-    };
-}
-
-/// Defines the module `kernel` with the kernels of a file, and `render_pixels`, which executes them.
-macro_rules! kernels_in_lanes {
-    ($lanes:path, $processor:literal, $scene:ident, $file:literal) => {
-        use crate::cpu::lanes::LaneNode;
-        #[allow(unused_imports)]
-        use crate::cpu::slices::{PLAIN_FEATURES, Slices};
-        #[allow(unused_imports)]
-        use ::kernels::records::kernel::{
-            ALL_FEATURES, FEATURE_MANY_NODES, FilmPixel, LaunchSettings, SceneAccess,
-        };
-        use bytemuck::cast_slice;
-        use lanes::{Table, V3};
-        use std::cell::RefCell;
-        use wgsl_rs::std::vec3f;
-        use $lanes as unit;
-
-        /// What hooks are given, if there are any.
-        #[derive(Clone, Copy)]
-        #[allow(dead_code)]
-        pub(super) struct Host<'a> {
-            pub slices: Slices<'a, $scene>,
-            /// Those of the scene, unless every lane searches on its own.
-            pub nodes: &'a [LaneNode],
-            pub workspace: &'a RefCell<Workspace>,
-        }
-
-        #[allow(
-            non_snake_case,
-            unused_assignments,
-            unused_braces,
-            unused_imports,
-            unused_labels,
-            unused_mut,
-            unused_parens,
-            unused_variables,
-            unreachable_code,
-            dead_code,
-            clippy::all
-        )]
-        pub(super) mod kernel {
-            use super::*;
-            use lanes::vector::*;
-            use lanes::*;
-            use $lanes::*;
-            include!(concat!(env!("OUT_DIR"), $file));
-        }
-
-        // `build.rs` and the list of what plain scenes lack must not part.
-        const _: () = assert!((kernel::FEATURES ^ $scene) & !FEATURE_MANY_NODES == 0);
-
         /// Adds the samples of a launch to some pixels, given where they are.
         #[target_feature(enable = $processor)]
         pub(super) fn render_pixels(
-            slices: Slices<'_, $scene>,
-            nodes: &[LaneNode],
+            slices: Slices<'_, FEATURES>,
             launch: LaunchSettings,
-            workspace: &RefCell<Workspace>,
             places: &[(u32, u32)],
             pixels: &mut [FilmPixel],
         ) {
-            let scene = slices.scene();
-            let (header, launch) = ([SceneAccess::header(slices)], [launch]);
-            let settings = kernel::read_SETTINGS(Table::new(cast_slice(&launch)));
+            use wgsl_rs::std::vec3f;
             let own = kernel::Own::new();
-            let globals = kernel::Globals {
-                own: &own,
-                host: Host { slices, nodes, workspace },
-                ATTRIBUTES: Table::new(cast_slice(&scene.attributes)),
-                OBJECTS: Table::new(cast_slice(&scene.objects)),
-                TEXELS: Table::new(&scene.texels),
-                CHANNELS: Table::new(cast_slice(&scene.channels)),
-                MATERIALS: Table::new(cast_slice(&scene.materials)),
-                NODES: Table::new(cast_slice(&scene.nodes)),
-                LIGHTS: Table::new(cast_slice(&scene.lights)),
-                HEADER: kernel::read_HEADER(Table::new(cast_slice(&header))),
-                SETTINGS: settings,
-            };
+            let globals = globals(slices, launch, &own);
+            let settings = globals.SETTINGS;
             for (places, pixels) in places.chunks(unit::LANES).zip(pixels.chunks_mut(unit::LANES)) {
                 let float = |value: fn(&FilmPixel) -> f32| {
                     let mut lanes = [0.0; unit::LANES];
@@ -213,6 +109,113 @@ macro_rules! kernels_in_lanes {
                         samples: samples[i],
                     };
                 }
+            }
+        }
+    };
+}
+
+/// Defines `render_pixels`, which follows several groups of paths.
+macro_rules! pixels_in_turns {
+    ($processor:literal) => {
+        use crate::cpu::lanes::LaneNode;
+
+        mod in_turns {
+            include!("in_turns.rs");
+        }
+        mod pixels_in_turns {
+            include!("pixels_in_turns.rs");
+        }
+
+        /// Adds the samples of a launch to some pixels, given where they are.
+        #[target_feature(enable = $processor)]
+        pub(super) fn render_pixels(
+            slices: Slices<'_, FEATURES>,
+            nodes: &[LaneNode],
+            launch: LaunchSettings,
+            places: &[(u32, u32)],
+            pixels: &mut [FilmPixel],
+        ) {
+            let own = kernel::Own::new();
+            let globals = globals(slices, launch, &own);
+            let mut travellers = in_turns::Travellers::default();
+            // SAFETY: this function has what the kernels are compiled for.
+            unsafe {
+                pixels_in_turns::render_pixels(
+                    &globals,
+                    slices,
+                    nodes,
+                    launch,
+                    &mut travellers,
+                    places,
+                    pixels,
+                );
+            }
+        }
+    };
+}
+
+/// Defines the module `kernel` with the kernels of a file, and `render_pixels`, which executes them.
+macro_rules! kernels_in_lanes {
+    ($lanes:path, $processor:literal, $scene:ident, $file:literal) => {
+        #[allow(unused_imports)]
+        use crate::cpu::slices::{PLAIN_FEATURES, Slices};
+        #[allow(unused_imports)]
+        use ::kernels::records::kernel::{
+            ALL_FEATURES, FEATURE_MANY_NODES, FilmPixel, LaunchSettings, SceneAccess,
+        };
+        use bytemuck::cast_slice;
+        use lanes::{Table, V3};
+        #[allow(unused_imports)]
+        use std::cell::RefCell;
+        use $lanes as unit;
+
+        /// What scenes of this kind may have.
+        const FEATURES: u32 = $scene;
+
+        #[allow(
+            non_snake_case,
+            unused_assignments,
+            unused_braces,
+            unused_imports,
+            unused_labels,
+            unused_mut,
+            unused_parens,
+            unused_variables,
+            unreachable_code,
+            dead_code,
+            clippy::all
+        )]
+        pub(super) mod kernel {
+            use super::*;
+            use lanes::vector::*;
+            use lanes::*;
+            use $lanes::*;
+            include!(concat!(env!("OUT_DIR"), $file));
+        }
+
+        // `build.rs` and the list of what plain scenes lack must not part.
+        const _: () = assert!((kernel::FEATURES ^ FEATURES) & !FEATURE_MANY_NODES == 0);
+
+        /// What kernels know about a scene and a launch.
+        #[target_feature(enable = $processor)]
+        fn globals<'a>(
+            slices: Slices<'a, FEATURES>,
+            launch: LaunchSettings,
+            own: &'a kernel::Own,
+        ) -> kernel::Globals<'a> {
+            let scene = slices.scene();
+            let (header, launch) = ([SceneAccess::header(slices)], [launch]);
+            kernel::Globals {
+                own,
+                ATTRIBUTES: Table::new(cast_slice(&scene.attributes)),
+                OBJECTS: Table::new(cast_slice(&scene.objects)),
+                TEXELS: Table::new(&scene.texels),
+                CHANNELS: Table::new(cast_slice(&scene.channels)),
+                MATERIALS: Table::new(cast_slice(&scene.materials)),
+                NODES: Table::new(cast_slice(&scene.nodes)),
+                LIGHTS: Table::new(cast_slice(&scene.lights)),
+                HEADER: kernel::read_HEADER(Table::new(cast_slice(&header))),
+                SETTINGS: kernel::read_SETTINGS(Table::new(cast_slice(&launch))),
             }
         }
     };

@@ -58,13 +58,6 @@ impl Lanes {
     }
 }
 
-/// What a thread uses again for every group of pixels.
-#[derive(Default)]
-pub(super) struct Workspaces {
-    avx2: avx2::Workspaces,
-    avx512: avx512::Workspaces,
-}
-
 /// A scene and a launch for kernels with lanes, which this processor is able to execute.
 #[derive(Clone, Copy)]
 pub(super) struct LaneScene<'a> {
@@ -90,20 +83,13 @@ impl<'a> LaneScene<'a> {
     }
 
     /// Adds the samples of the launch to some pixels, given where they are.
-    pub(super) fn render_pixels(
-        &self,
-        workspaces: &Workspaces,
-        places: &[(u32, u32)],
-        pixels: &mut [FilmPixel],
-    ) {
+    pub(super) fn render_pixels(&self, places: &[(u32, u32)], pixels: &mut [FilmPixel]) {
         let &LaneScene { scene, kind, launch, lanes } = self;
         // SAFETY: the constructor has asked for the features that the kernels are compiled for.
         unsafe {
             match lanes {
-                Lanes::Sixteen => {
-                    avx512::render_pixels(scene, kind, launch, &workspaces.avx512, places, pixels)
-                }
-                Lanes::Eight => avx2::render_pixels(scene, kind, launch, &workspaces.avx2, places, pixels),
+                Lanes::Sixteen => avx512::render_pixels(scene, kind, launch, places, pixels),
+                Lanes::Eight => avx2::render_pixels(scene, kind, launch, places, pixels),
                 Lanes::One => unreachable!("the constructor excludes it"),
             }
         }

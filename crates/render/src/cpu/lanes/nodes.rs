@@ -1,16 +1,12 @@
 //! What searches in turns keep of nodes and rays, with any number of lanes.
 
 use crate::CompiledScene;
-use crate::compile::LEAF_OBJECTS;
 use kernels::bvh::kernel::{FURTHER, cell_edge, visiting_order};
 use kernels::records::kernel::{BvhNode, NODE_INSTANCE};
 use kernels::shape::kernel::Ray;
 use kernels::traversal::kernel::inverse_direction;
 use rayon::prelude::*;
 use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch, _pext_u32};
-
-// Leaves are told apart by bits alone.
-const _: () = assert!(LEAF_OBJECTS == 1);
 
 /// A node of the hierarchy in two lines of the processor's cache, ready for vector units.
 #[derive(Clone, Copy, Debug)]
@@ -23,14 +19,14 @@ pub(in crate::cpu) struct LaneNode {
     /// As in the kernels' node.
     pub(super) first_node: u32,
     pub(super) first_object: u32,
-    /// Corner of the grid of cells, and the edges of a cell. The fourth number means nothing.
-    pub(super) corner: [f32; 4],
-    pub(super) cell: [f32; 4],
+    /// Corner of the grid of cells, and the edges of a cell.
+    pub(super) corner: [f32; 3],
+    pub(super) cell: [f32; 3],
     /// Children that are nodes, as bits; `NODE_INSTANCE` for an instance, which has no boxes.
     pub(super) nodes: u32,
     /// Children that are objects, as bits.
     pub(super) leaves: u32,
-    unused: [u32; 2],
+    unused: [u32; 4],
 }
 
 impl LaneNode {
@@ -49,19 +45,16 @@ impl LaneNode {
             }
         }
         let is_instance = node.exponents == NODE_INSTANCE;
-        let leaf_bytes = bytes([node.leaves0, node.leaves1]);
-        let leaves = (0..).zip(leaf_bytes).map(|(child, leaf)| u32::from(leaf != 0) << child).sum();
         let edge = |axis: u32| cell_edge(node.exponents >> (8 * axis) & 255);
-        let [x, y, z] = node.origin.to_array();
         LaneNode {
             cells,
             first_node: node.first_node,
             first_object: node.first_object,
-            corner: [x, y, z, 0.0],
-            cell: [edge(0), edge(1), edge(2), 0.0],
+            corner: node.origin.to_array(),
+            cell: [edge(0), edge(1), edge(2)],
             nodes: if is_instance { NODE_INSTANCE } else { node.exponents >> 24 },
-            leaves: if is_instance { 0 } else { leaves },
-            unused: [0; 2],
+            leaves: if is_instance { 0 } else { node.leaves },
+            unused: [0; 4],
         }
     }
 
@@ -102,14 +95,14 @@ const fn places_in_order() -> [[u8; 256]; 8] {
     table
 }
 
-/// A ray in the space of the nodes that are being searched. Fourth numbers mean nothing.
+/// A ray in the space of the nodes that are being searched.
 #[derive(Clone, Copy)]
+#[repr(align(64))]
 pub(super) struct LocalRay {
+    /// For each axis the reciprocal of the direction for where the ray enters the eight boxes, then its negative times
+    /// `FURTHER` for where it leaves them.
+    pub(super) inverse: [[f32; 16]; 3],
     pub(super) ray: Ray,
-    /// Reciprocals of its direction, then their negatives times `FURTHER`.
-    pub(super) inverse: [[f32; 4]; 2],
-    /// Its origin, twice.
-    pub(super) origin: [[f32; 4]; 2],
     /// Where the ends of boxes that it meets first begin in `LaneNode::cells`.
     sides: [u8; 3],
     pub(super) order: u32,
@@ -119,12 +112,13 @@ impl LocalRay {
     #[inline(always)]
     pub(super) fn new(ray: Ray) -> Self {
         let inverse = inverse_direction(ray.direction);
-        let padded = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
         let numbers = inverse.to_array();
         LocalRay {
+            inverse: numbers.map(|number| {
+                let [enters, leaves] = [[number; 8], [-FURTHER * number; 8]];
+                std::array::from_fn(|lane| if lane < 8 { enters[lane] } else { leaves[lane - 8] })
+            }),
             ray,
-            inverse: [padded(numbers), padded(numbers.map(|number| -FURTHER * number))],
-            origin: [padded(ray.origin.to_array()); 2],
             sides: numbers.map(|number| if number >= 0.0 { 0 } else { 8 }),
             order: visiting_order(inverse),
         }
@@ -177,15 +171,15 @@ mod tests {
             exponents: 0b0000_0110 << 24 | 120 << 16 | 126 << 8 | 127,
             first_node: 7,
             first_object: 9,
-            leaves0: 1 << 5 | (1 << 5 | 1) << 24,
-            leaves1: 0,
+            leaves: 0b1001,
+            unused: 0,
             low_xy: vec4u(0x0302_0100, 0x0706_0504, 0x1312_1110, 0x1716_1514),
             low_z_high_x: vec4u(0x2322_2120, 0x2726_2524, 0x8382_8180, 0x8786_8584),
             high_yz: vec4u(0x9392_9190, 0x9796_9594, 0xa3a2_a1a0, 0xa7a6_a5a4),
         };
         let lane = LaneNode::new(&node);
         assert_eq!((lane.nodes, lane.leaves, lane.first_node, lane.first_object), (6, 0b1001, 7, 9));
-        assert_eq!((lane.corner, lane.cell), ([1.0, 2.0, 3.0, 0.0], [1.0, 0.5, 0.5f32.powi(7), 0.0]));
+        assert_eq!((lane.corner, lane.cell), ([1.0, 2.0, 3.0], [1.0, 0.5, 0.5f32.powi(7)]));
         for direction in [vec3f(1.0, 1.0, 1.0), vec3f(-1.0, -1.0, -1.0)] {
             let ray = LocalRay::new(Ray { origin: vec3f(0.0, 0.0, 0.0), direction });
             for axis in 0..3u8 {
@@ -197,7 +191,7 @@ mod tests {
                 assert_eq!(lane.ends(axis.into(), &ray), ends.as_ptr());
             }
         }
-        let instance = BvhNode { exponents: NODE_INSTANCE, leaves0: 1, ..node };
+        let instance = BvhNode { exponents: NODE_INSTANCE, leaves: 1, ..node };
         assert_eq!((LaneNode::new(&instance).nodes, LaneNode::new(&instance).leaves), (NODE_INSTANCE, 0));
     }
 }
