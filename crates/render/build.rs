@@ -6,11 +6,11 @@ use std::path::PathBuf;
 /// Functions, and the parameters of them on which rays often agree: lights are mostly compared for all rays at once.
 const LIGHTS: &[(&str, usize)] = &[("light_importance", 0)];
 
-/// In small scenes neighbours often meet the same object, and materials are few.
+/// In small scenes lights and materials are few.
 const SHADING: &[(&str, usize)] =
     &[("sample_plain_light", 0), ("distant_radiance_Buffers", 1), ("material_bsdf_Buffers", 1)];
 
-/// The same where every lane searches on its own.
+/// In small scenes, where every lane searches on its own, neighbours are often at the same node.
 const SEARCH: &[(&str, usize)] = &[("reached_boxes", 0)];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -40,7 +40,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     ] {
         let alone = vectorizer::Options {
             roots: &[path_tracer],
-            // Lights are mostly compared for all rays at once, and neighbours often meet the same object.
             together: &[LIGHTS, SHADING, SEARCH].concat(),
             target_features,
         };

@@ -47,7 +47,7 @@ pub(super) fn arrange(scene: Primitives, groups: Vec<Primitives>, acceleration: 
         .collect();
     let mut boxes = in_32_bits(&boxes);
     boxes.par_extend(instances.par_iter().map(|instance| {
-        let (low, high) = trees[instance.group].1.bounds(&instance.local_from_group);
+        let (low, high) = trees[instance.group()].1.bounds(&instance.local_from_group);
         rounded_outwards(low, high)
     }));
     let objects_alone = bounded.len();
@@ -243,7 +243,6 @@ mod tests {
                 instances: (0..instances)
                     .map(|i| PlacedGroup {
                         record: records(SHAPE_INSTANCE, 1)[0],
-                        group: 0,
                         local_from_group: DAffine3::from_rotation_z(f64::from(i))
                             * DAffine3::from_translation(DVec3::new(
                                 f64::from(i % 100),

@@ -25,9 +25,15 @@ pub(super) struct Primitives {
 pub(super) struct PlacedGroup {
     /// With the number of the group in the field `material`.
     pub record: ObjectRecord,
-    pub group: usize,
     /// Where the records of the group stand.
     pub local_from_group: DAffine3,
+}
+
+impl PlacedGroup {
+    /// Number of the group among the compiled ones.
+    pub fn group(&self) -> usize {
+        self.record.shape.material as usize
+    }
 }
 
 /// All objects of a scene.
@@ -65,7 +71,7 @@ pub(super) fn compile_objects(
         materials,
         instancing: acceleration == Acceleration::Bvh,
         mesh_groups: HashMap::new(),
-        outlines: Vec::new(),
+        group_facts: Vec::new(),
         objects: Objects {
             scene: Primitives::default(),
             groups: Vec::new(),
@@ -109,13 +115,13 @@ struct Compiler<'a> {
     /// Groups that are made of meshes.
     mesh_groups: HashMap<MeshKey, usize>,
     /// Of every compiled group.
-    outlines: Vec<Outline>,
+    group_facts: Vec<GroupFacts>,
     objects: Objects,
 }
 
 /// What instances need to know of their group, found out once: groups may have many members, and many instances.
 #[derive(Clone, Copy)]
-struct Outline {
+struct GroupFacts {
     /// Its middle: its records are relative to it, so that their numbers are small.
     centre: DVec3,
     /// Flags that some member has.
@@ -175,7 +181,7 @@ impl Compiler<'_> {
         }
         let flags = level.bounded.iter().fold(0, |all, object| all | object.shape.kind) & FLAG_NOT_OPAQUE;
         self.objects.groups.push(level);
-        self.outlines.push(Outline { centre, flags });
+        self.group_facts.push(GroupFacts { centre, flags });
         Some(self.objects.groups.len() - 1)
     }
 
@@ -264,7 +270,7 @@ impl Compiler<'_> {
         local_from_group: &DAffine3,
         source: u32,
     ) -> Result<(), CompileError> {
-        let Outline { centre, flags } = self.outlines[group];
+        let GroupFacts { centre, flags } = self.group_facts[group];
         let unit = UnitShape {
             kind: SHAPE_INSTANCE,
             local_from_unit: *local_from_group * DAffine3::from_translation(centre),
@@ -274,7 +280,7 @@ impl Compiler<'_> {
             attributes: NONE,
         };
         let record = self.record(&unit, count(group), flags, source, NONE)?;
-        level.instances.push(PlacedGroup { record, group, local_from_group: unit.local_from_unit });
+        level.instances.push(PlacedGroup { record, local_from_group: unit.local_from_unit });
         Ok(())
     }
 

@@ -42,7 +42,7 @@ const SHAPE_LINE: usize = 0;
 const SURFACE_LINE: usize = 1;
 
 /// The rays of all groups: memory that is used again for every search.
-pub(in super::super) struct Travellers {
+pub(super) struct Travellers {
     rays: [Traveller; RAYS],
     /// The rays of each group in the space of the nodes that are being searched.
     local: [RayComponents; GROUPS],

@@ -1,7 +1,7 @@
 //! What all kernels with lanes have in common: how they are included, how pixels are brought to them, and what they call.
 
 /// Defines the kernels of a processor for all kinds of scenes, given the module of its lanes, what it must have, and the
-/// files of the kernels; `render_pixels`, which executes them, and `Workspaces`.
+/// files of the kernels; and `render_pixels`, which executes them.
 macro_rules! kernels_of_processor {
     ($lanes:path, $processor:literal, $small:literal, $large:literal, $general:literal) => {
         /// For small scenes of plain materials: every lane searches on its own.
@@ -137,24 +137,13 @@ macro_rules! pixels_in_turns {
         ) {
             let own = kernel::Own::new();
             let globals = globals(slices, launch, &own);
-            let mut travellers = in_turns::Travellers::default();
             // SAFETY: this function has what the kernels are compiled for.
-            unsafe {
-                pixels_in_turns::render_pixels(
-                    &globals,
-                    slices,
-                    nodes,
-                    launch,
-                    &mut travellers,
-                    places,
-                    pixels,
-                );
-            }
+            unsafe { pixels_in_turns::render_pixels(&globals, slices, nodes, launch, places, pixels) };
         }
     };
 }
 
-/// Defines the module `kernel` with the kernels of a file, and `render_pixels`, which executes them.
+/// Defines the module `kernel` with the kernels of a file, and `globals`, which makes what they know.
 macro_rules! kernels_in_lanes {
     ($lanes:path, $processor:literal, $scene:ident, $file:literal) => {
         #[allow(unused_imports)]

@@ -39,7 +39,6 @@ pub(super) unsafe fn render_pixels(
     slices: Slices<'_, { super::FEATURES }>,
     nodes: &[LaneNode],
     launch: LaunchSettings,
-    travellers: &mut Travellers,
     places: &[(u32, u32)],
     pixels: &mut [FilmPixel],
 ) {
@@ -55,6 +54,7 @@ pub(super) unsafe fn render_pixels(
         key: Zero::zero(),
         path: Zero::zero(),
     });
+    let mut travellers = Travellers::default();
     let mut next = 0;
     loop {
         // SAFETY of all calls: the caller's promise.
@@ -66,7 +66,7 @@ pub(super) unsafe fn render_pixels(
         if queries.iter().all(|query| query.live.none()) {
             return;
         }
-        let found = unsafe { search(globals, slices, nodes, travellers, &queries) };
+        let found = unsafe { search(globals, slices, nodes, &mut travellers, &queries) };
         for (group, found) in groups.iter_mut().zip(found) {
             let live = group.occupied;
             if live.none() {
